@@ -1,0 +1,28 @@
+"""Read-only copies of arrays for frozen records."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+
+
+def readonly(
+    value: ArrayLike, shape: tuple[int | None, ...], name: str, dtype: Any = np.float64
+) -> NDArray[Any]:
+    """Copy `value`, check its shape (None = any length) and clear the write flag.
+
+    Raises ValueError naming the field, the expected and the given shape.
+    """
+    array: NDArray[Any] = np.array(value, dtype=dtype)
+    fits = len(shape) == array.ndim and all(
+        want is None or want == have for want, have in zip(shape, array.shape, strict=True)
+    )
+    if not fits:
+        wanted = "(" + ", ".join("n" if n is None else str(n) for n in shape) + ")"
+        raise ValueError(f"{name} must have shape {wanted}, got {array.shape}")
+    array.flags.writeable = False
+    return array

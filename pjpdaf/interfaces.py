@@ -1,0 +1,128 @@
+"""What passes between detector, tracker and runner, and the two plug-in protocols."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+
+from pjpdaf.arrays import Floats, readonly
+from pjpdaf.frames import StereoFrame
+
+STATUSES = ("waiting", "tracked", "coasting", "lost")
+
+
+@dataclass(frozen=True, eq=False)
+class Detections:
+    """What the detector found in one view.
+
+    centres_px (n, 2) in the undistorted picture; covariances_px2 (n, 2, 2); ellipses (n, 5):
+    centre x, y [px], semi-axes a >= b [px], angle of the major axis from +x towards +y [rad];
+    areas_px (n,). missing: the picture itself was missing, so that absence means nothing.
+    mask: optional uint8 (h, w) of the accepted skin pixels.
+    """
+
+    centres_px: Floats
+    covariances_px2: Floats
+    ellipses: Floats
+    areas_px: Floats
+    missing: bool = False
+    mask: np.ndarray | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        n = len(self.centres_px)
+        shapes = {
+            "centres_px": (n, 2),
+            "covariances_px2": (n, 2, 2),
+            "ellipses": (n, 5),
+            "areas_px": (n,),
+        }
+        for name, shape in shapes.items():
+            value = readonly(getattr(self, name), shape, f"Detections.{name}")
+            object.__setattr__(self, name, value)
+
+    def __len__(self) -> int:
+        return len(self.centres_px)
+
+    @staticmethod
+    def none(missing: bool = False) -> Detections:
+        """An empty record."""
+        return Detections(
+            np.zeros((0, 2)), np.zeros((0, 2, 2)), np.zeros((0, 5)), np.zeros(0), missing
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Estimates:
+    """What the tracker believes after a frame; targets in the order of `pjpdaf.targets.TARGETS`.
+
+    positions_m (T, 3) world; covariances_m2 (T, 3, 3); velocities_mps (T, 3);
+    status: per target one of `STATUSES` ("waiting": not started yet, positions are NaN).
+    """
+
+    positions_m: Floats
+    covariances_m2: Floats
+    velocities_mps: Floats
+    status: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        T = len(self.status)
+        shapes = {"positions_m": (T, 3), "covariances_m2": (T, 3, 3), "velocities_mps": (T, 3)}
+        for name, shape in shapes.items():
+            value = readonly(getattr(self, name), shape, f"Estimates.{name}")
+            object.__setattr__(self, name, value)
+        unknown = set(self.status) - set(STATUSES)
+        if unknown:
+            raise ValueError(f"Estimates.status must be one of {STATUSES}, got {sorted(unknown)}")
+
+    @staticmethod
+    def waiting(T: int = 3) -> Estimates:
+        """The record of a tracker that has not started yet."""
+        nan = np.nan
+        return Estimates(
+            np.full((T, 3), nan), np.full((T, 3, 3), nan), np.full((T, 3), nan), ("waiting",) * T
+        )
+
+
+class Detector(Protocol):
+    """Pictures to measurements. Parameters and the background live on the object."""
+
+    def learn(self, background: Iterable[StereoFrame]) -> Detector:
+        """A detector that knows the person-free scene."""
+        ...
+
+    def __call__(
+        self, frame: StereoFrame, predicted: Estimates | None = None
+    ) -> tuple[Detections, ...]:
+        """One `Detections` a view. `predicted`: where the tracker expects the targets, if it says."""
+        ...
+
+
+State = TypeVar("State")
+
+
+class Tracker(Protocol[State]):
+    """Measurements to 3-D. Parameters and cameras on the object; all that changes in State."""
+
+    def start(self, seen: tuple[Detections, ...]) -> State | None:
+        """The first state, or None where this frame does not suffice to start (wait for the next)."""
+        ...
+
+    def step(
+        self, state: State, seen: tuple[Detections, ...], dt_s: float
+    ) -> tuple[State, Estimates]:
+        """The state and the estimates one frame later."""
+        ...
+
+    def estimates(self, state: State) -> Estimates:
+        """What a state says (used for the frame on which tracking started)."""
+        ...
+
+    def predict(self, state: State, dt_s: float) -> Estimates:
+        """What the tracker expects dt_s after `state`, handed to the detector."""
+        ...
+
+
+AnyTracker = Tracker[Any]

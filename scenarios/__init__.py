@@ -1,0 +1,1 @@
+"""What to play, and the command line."""

@@ -1,0 +1,33 @@
+"""What a sequence plays: poses as functions of continuous time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from sim.pose import Pose
+from sim.specs import SceneSpec
+
+
+class Script(Protocol):
+    """A motion: pure, so that any frame rate and any order of frames gives the same poses."""
+
+    def pose(self, t_s: float) -> Pose:
+        """The pose at t_s >= 0 [s], already free of penetration."""
+        ...
+
+    def events(self, t_s: float) -> tuple[str, ...]:
+        """Names of what is happening at t_s (for the truth's event labels)."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Performance:
+    """One concrete sequence: scene, motion, frame times and the seed of its noise."""
+
+    scene: SceneSpec
+    script: Script
+    frames: int
+    fps: float
+    background_frames: int
+    seed: int
