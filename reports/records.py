@@ -1,0 +1,81 @@
+"""What a played episode hands over to be scored: frozen, picklable, nothing computed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from pjpdaf.camera import Camera
+from pjpdaf.interfaces import Detections, Estimates
+from pjpdaf.targets import TARGETS
+from sim.truth import Truth
+
+VIEWS = ("left", "right")
+STAGES = ("render", "detect", "track")
+
+
+@dataclass(frozen=True, eq=False)
+class FrameOutcome:
+    """One frame: what was true, what the tracker said, what the detector saw.
+
+    detections: per view, may be empty; stage_s: wall time of a stage of `STAGES` [s].
+    """
+
+    truth: Truth
+    estimates: Estimates
+    detections: tuple[Detections, ...] = ()
+    stage_s: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Picture:
+    """Both views of a frame side by side, detections and estimates drawn in (`overlay.draw`)."""
+
+    frame: int
+    jpeg: bytes
+
+
+@dataclass(frozen=True, eq=False)
+class Episode:
+    """One scenario played with one seed.
+
+    cameras: left, right, as the cameras really are; frames in order, at least one;
+    digest: of the concrete scenario; values: its drawn parameters.
+    Raises ValueError where views, targets or frames do not fit together.
+    """
+
+    scenario: str
+    group: str
+    seed: int
+    fps: float
+    cameras: tuple[Camera, ...]
+    frames: tuple[FrameOutcome, ...]
+    digest: str = ""
+    values: Mapping[str, float | str] = field(default_factory=dict)
+    pictures: tuple[Picture, ...] = ()
+
+    def __post_init__(self) -> None:
+        name = f"Episode {self.scenario!r} seed {self.seed}"
+        if len(self.cameras) != len(VIEWS):
+            raise ValueError(f"{name} must have {len(VIEWS)} cameras, got {len(self.cameras)}")
+        if not self.frames:
+            raise ValueError(f"{name} must have at least one frame")
+        if not self.fps > 0:
+            raise ValueError(f"{name}: fps must be > 0, got {self.fps}")
+        for outcome in self.frames:
+            truth, said = outcome.truth, outcome.estimates
+            if len(truth.centres_m) != len(TARGETS) or len(said.status) != len(TARGETS):
+                raise ValueError(f"{name} frame {truth.index} must have {len(TARGETS)} targets")
+            if len(truth.views) != len(VIEWS):
+                raise ValueError(f"{name} frame {truth.index} must have {len(VIEWS)} views")
+
+
+@dataclass(frozen=True)
+class EpisodeFailure:
+    """An episode that gave no result: a crash, a time-out, a seed that cannot be posed."""
+
+    scenario: str
+    seed: int
+    reason: str
+    group: str = ""
+    digest: str = ""

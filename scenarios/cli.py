@@ -1,0 +1,195 @@
+"""The command line: parses, calls one function, prints. Heavy modules are imported by the verb."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pjpdaf.errors import BenchError
+
+app = typer.Typer(
+    name="pjpdaf-bench",
+    help="Render a seated person from two calibrated cameras, track head and both hands in 3-D, "
+    "and score the result against the exact truth.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+scenarios_app = typer.Typer(help="The catalogue of scenarios.", no_args_is_help=True)
+app.add_typer(scenarios_app, name="scenarios")
+
+
+def _version(value: bool) -> None:
+    if value:
+        from importlib.metadata import version
+
+        typer.echo(f"pjpdaf-bench {version('pjpdaf-bench')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def run(
+    targets: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[SCENARIO|SUITE]...", help="Names, or YAML files."),
+    ] = None,
+    seeds: Annotated[
+        int | None,
+        typer.Option(help="Episodes of each scenario: seeds 0 to N-1 [the scenario's own]."),
+    ] = None,
+    preset: Annotated[
+        str, typer.Option(help="Detector and tracker of this preset: thesis, thesis-literal.")
+    ] = "thesis",
+    detector: Annotated[
+        str | None, typer.Option(help="Preset, entry point or module:factory.")
+    ] = None,
+    tracker: Annotated[
+        str | None, typer.Option(help="Preset, entry point or module:factory.")
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Change a scenario parameter, or detector.NAME / tracker.NAME. Repeatable.",
+        ),
+    ] = None,
+    jobs: Annotated[int | None, typer.Option(help="Worker processes [all cores].")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of the saved run [runs/NAME-DATE-TIME].")
+    ] = None,
+) -> None:
+    """Play scenarios, score them, print the table, save the run and its report.
+
+    Without a name: the suite smoke.
+    """
+    from scenarios.run import RunRequest, run_suite
+
+    run_suite(
+        RunRequest(
+            targets=tuple(targets or ("smoke",)),
+            seeds=seeds,
+            detector=detector or preset,
+            tracker=tracker or preset,
+            preset=preset,
+            settings=tuple(settings or ()),
+            jobs=jobs,
+            out=out,
+            argv=tuple(sys.argv[1:]),
+        )
+    )
+
+
+@app.command()
+def report(
+    run_folder: Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a saved run.")],
+    out: Annotated[Path | None, typer.Option(help="Where the page goes [RUN/report.html].")] = None,
+) -> None:
+    """Make the report page of a saved run again."""
+    from scenarios.run import remake_report
+
+    typer.echo(f"report: {remake_report(run_folder, out)}")
+
+
+@app.command()
+def doctor() -> None:
+    """Say whether this machine can run everything, and what to install where it cannot."""
+    from scenarios.doctor import examine
+
+    findings = examine()
+    for finding in findings:
+        mark = "ok  " if finding.good else "FAIL"
+        typer.echo(f"{mark} {finding.what}: {finding.found}")
+        if finding.remedy:
+            typer.echo(f"     -> {finding.remedy}")
+    if not all(finding.good for finding in findings):
+        raise typer.Exit(5)
+
+
+@scenarios_app.command("list")
+def scenarios_list() -> None:
+    """All shipped scenarios and suites, one line each."""
+    from scenarios.catalogue import scenario_names, suite_names, load_scenario, load_suite
+
+    for name in scenario_names():
+        scenario = load_scenario(name)
+        typer.echo(f"{name:18} {scenario.group:14} {scenario.summary}")
+    for name in suite_names():
+        suite = load_suite(name)
+        members = ", ".join(entry.scenario for entry in suite.scenarios)
+        typer.echo(f"{name:18} {'suite':14} {members}")
+
+
+@scenarios_app.command("show")
+def scenarios_show(
+    name: Annotated[str, typer.Argument(metavar="SCENARIO", help="Name, or YAML file.")],
+    seed: Annotated[int, typer.Option(help="The seed whose drawn values are shown.")] = 0,
+) -> None:
+    """A scenario's parameters: unit, range, distribution, and the values that a seed draws."""
+    from scenarios.describe import describe
+
+    describe(name, seed)
+
+
+@scenarios_app.command("validate")
+def scenarios_validate(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Scenario files.")],
+) -> None:
+    """Check scenario files; every fault with its line and column. Exit code 2 if there is any."""
+    from scenarios.loader import load_scenario_file
+
+    faulty = False
+    for file in files:
+        try:
+            scenario = load_scenario_file(file)
+        except BenchError as fault:
+            typer.echo(str(fault), err=True)
+            faulty = True
+        else:
+            typer.echo(f"{file}: ok ({scenario.name}, {len(scenario.parameters)} parameters)")
+    if faulty:
+        raise typer.Exit(2)
+
+
+@scenarios_app.command("schema")
+def scenarios_schema() -> None:
+    """The JSON schema of a scenario file, for editors."""
+    import json
+
+    from scenarios.loader import json_schema
+
+    typer.echo(json.dumps(json_schema(), indent=2))
+
+
+def main() -> None:
+    """Entry point: a fault that the user can put right is one line and an exit code, no traceback."""
+    try:
+        app(standalone_mode=True)
+    except BenchError as fault:
+        sys.stderr.write(f"pjpdaf-bench: {fault}\n")
+        raise SystemExit(fault.exit_code) from None
+    except KeyboardInterrupt:
+        sys.stderr.write("pjpdaf-bench: interrupted\n")
+        raise SystemExit(130) from None
+    except BrokenPipeError:
+        # The reader of our output went away (| head): not our fault, and nothing to say it to.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise SystemExit(0) from None
+
+
+if __name__ == "__main__":
+    main()

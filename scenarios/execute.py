@@ -1,0 +1,175 @@
+"""Many episodes: a pool of local worker processes, isolated from each other and from the parent."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import traceback
+from collections.abc import Callable, Sequence
+from concurrent.futures import TimeoutError as FutureTimeout
+from concurrent.futures import wait
+from dataclasses import dataclass
+
+from pebble import ProcessExpired, ProcessFuture, ProcessPool
+
+from pjpdaf.errors import BenchError, InfrastructureError
+from reports.records import Episode, EpisodeFailure
+from scenarios.play import Job, play
+
+EPISODE_TIME_LIMIT_S = 900.0
+ATTEMPTS = 3  # only for killed workers: scores are never played again
+# One process a core: the software rasteriser's and the libraries' own threads only get in the way.
+# LP_NUM_THREADS must stand before the first GL call; the pixels are the same for any value.
+WORKER_ENVIRONMENT = {
+    "LP_NUM_THREADS": "0",
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+}
+
+Outcome = Episode | EpisodeFailure
+
+
+@dataclass(frozen=True)
+class Played:
+    """What came of a list of jobs; finished outcomes only, in the order of the jobs."""
+
+    outcomes: tuple[Outcome, ...]
+    interrupted: bool
+    renderer: str
+
+
+def _prepare_worker() -> None:
+    # Ctrl-C reaches the whole process group; only the parent decides what happens then.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    import cv2
+
+    cv2.setNumThreads(1)
+
+
+def _check_renderer() -> str:
+    from sim import gl, selftest
+
+    gl.prepare()
+    selftest.check()
+    return gl.describe()
+
+
+def _play_safely(job: Job) -> Outcome | BenchError:
+    """`play`, with what a user can put right returned, and any other fault as a failed episode."""
+    try:
+        return play(job)
+    except BenchError as fault:
+        return fault
+    except Exception as fault:
+        where = traceback.extract_tb(fault.__traceback__)[-1]
+        reason = f"{type(fault).__name__}: {fault} ({where.name}, line {where.lineno})"
+        return EpisodeFailure(job.scenario.name, job.scenario.group, job.seed, reason)
+
+
+def check_renderer(context: multiprocessing.context.SpawnContext | None = None) -> str:
+    """Render the self-test in a process of its own; the renderer's description.
+
+    Raises InfrastructureError where OpenGL is missing or renders in the wrong place.
+    """
+    with _pool(1) as pool:
+        return _renderer_of(pool)
+
+
+def play_all(
+    jobs: Sequence[Job],
+    workers: int,
+    on_done: Callable[[Outcome], None] = lambda outcome: None,
+    time_limit_s: float = EPISODE_TIME_LIMIT_S,
+) -> Played:
+    """Play all jobs on `workers` processes.
+
+    A worker that dies is replaced and its episode played again, three times at most; an episode over
+    its time limit, or that raises, becomes an `EpisodeFailure`. Ctrl-C ends the run and keeps what is
+    finished. The order of the outcomes and their contents do not depend on `workers`.
+    Raises BenchError (the first in the order of the jobs) where the user's input is at fault.
+    """
+    results: dict[int, Outcome] = {}
+    attempts = [0] * len(jobs)
+    pending: dict[ProcessFuture[Outcome | BenchError], int] = {}
+    interrupted = False
+    with _pool(min(workers, len(jobs))) as pool:
+        renderer = _renderer_of(pool)
+
+        def submit(index: int) -> None:
+            attempts[index] += 1
+            future = pool.schedule(_play_safely, args=(jobs[index],), timeout=time_limit_s)
+            pending[future] = index
+
+        try:
+            for index in range(len(jobs)):
+                submit(index)
+            while pending:
+                done, _ = wait(pending, return_when="FIRST_COMPLETED")
+                for future in done:
+                    index = pending.pop(future)
+                    outcome = _outcome(future, jobs[index], attempts[index], time_limit_s)
+                    if outcome is None:
+                        submit(index)
+                        continue
+                    results[index] = outcome
+                    on_done(outcome)
+        except KeyboardInterrupt:
+            interrupted = True
+            pool.stop()
+        except BaseException:
+            pool.stop()
+            raise
+    return Played(tuple(results[i] for i in sorted(results)), interrupted, renderer)
+
+
+def _outcome(
+    future: ProcessFuture[Outcome | BenchError], job: Job, attempt: int, time_limit_s: float
+) -> Outcome | None:
+    """A finished future as an outcome; None: the worker died and the job may be tried again."""
+    name, group, seed = job.scenario.name, job.scenario.group, job.seed
+    try:
+        result = future.result()
+    except FutureTimeout:
+        return EpisodeFailure(name, group, seed, f"not finished within {time_limit_s:.0f} s")
+    except ProcessExpired as death:
+        if attempt < ATTEMPTS:
+            return None
+        return EpisodeFailure(
+            name, group, seed, f"its worker died {attempt} times (exit code {death.exitcode})"
+        )
+    if isinstance(result, BenchError):
+        raise result
+    return result
+
+
+def _pool(workers: int) -> ProcessPool:
+    # Spawn, always: a child forked beside a GL context hangs.
+    for name, value in WORKER_ENVIRONMENT.items():
+        os.environ.setdefault(name, value)
+    return ProcessPool(
+        max_workers=workers,
+        initializer=_prepare_worker,
+        context=multiprocessing.get_context("spawn"),
+    )
+
+
+def _renderer_of(pool: ProcessPool) -> str:
+    try:
+        described: str = pool.schedule(_check_renderer, timeout=120).result()
+    except FutureTimeout as fault:
+        pool.stop()
+        raise InfrastructureError(
+            "OpenGL did not render one picture within 120 s; try MUJOCO_GL=osmesa"
+        ) from fault
+    except ProcessExpired as fault:
+        pool.stop()
+        raise InfrastructureError(
+            f"OpenGL ends the process (exit code {fault.exitcode}); "
+            "see what `pjpdaf-bench doctor` says"
+        ) from fault
+    except BaseException:
+        pool.stop()
+        raise
+    return described

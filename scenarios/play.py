@@ -1,0 +1,132 @@
+"""One scenario, one seed: simulate -> detect -> track. The loop here owns the tracker's state."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from pjpdaf.camera import StereoRig
+from pjpdaf.interfaces import Detections, Detector, Estimates, Tracker
+from pjpdaf.registry import make_detector, make_tracker
+from reports.overlay import overlay_jpeg
+from reports.records import Episode, FrameOutcome, Picture
+from scenarios.spec import Scenario, concrete, digest, perform
+from sim.sequence import Simulation
+from sim.truth import Truth
+
+MAX_PICTURES = 12
+EVENLY_SPACED_PICTURES = 5
+
+
+@dataclass(frozen=True)
+class System:
+    """What is under test: detector and tracker by name, and changed parameters of each."""
+
+    detector: str = "thesis"
+    tracker: str = "thesis"
+    detector_settings: Mapping[str, str] = field(default_factory=dict)
+    tracker_settings: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Job:
+    """One episode to play: a pure function of (scenario, seed, overrides, system)."""
+
+    scenario: Scenario
+    seed: int
+    overrides: Mapping[str, str]
+    system: System
+    keep_pictures: bool = False
+
+
+def parts_of(system: System, rig: StereoRig) -> tuple[Detector, Tracker[Any]]:
+    """Detector (background not learnt yet) and tracker for these cameras."""
+    detector = make_detector(system.detector, rig.cameras, system.detector_settings)
+    tracker = make_tracker(system.tracker, rig.cameras, system.tracker_settings)
+    return detector, tracker
+
+
+def play(job: Job) -> Episode:
+    """Play one job to its end.
+
+    Raises what scenario, plug-in or renderer raise; the caller turns that into a failed episode.
+    """
+    performance = perform(job.scenario, job.seed, job.overrides)
+    gallery = _Gallery(performance.frames) if job.keep_pictures else None
+    outcomes = []
+    with Simulation(performance) as simulation:
+        detector, tracker = parts_of(job.system, simulation.rig)
+        detector = detector.learn(simulation.background())
+        state: Any = None
+        previous_s: float | None = None
+        frames = simulation.frames()
+        while True:
+            started = time.perf_counter()
+            pair = next(frames, None)
+            if pair is None:
+                break
+            frame, truth = pair
+            rendered = time.perf_counter()
+            dt_s = 0.0 if previous_s is None else frame.time_s - previous_s
+            expected = tracker.predict(state, dt_s) if state is not None else None
+            predicted = time.perf_counter()
+            seen = detector(frame, expected)
+            detected = time.perf_counter()
+            if state is None:
+                state = tracker.start(seen)
+                estimates = Estimates.waiting() if state is None else tracker.estimates(state)
+            else:
+                state, estimates = tracker.step(state, seen, dt_s)
+            tracked = time.perf_counter()
+            previous_s = frame.time_s
+            stages_s = {
+                "render": rendered - started,
+                "detect": detected - predicted,
+                "track": tracked - detected + predicted - rendered,
+            }
+            slim = tuple(replace(d, mask=None) for d in seen)
+            outcomes.append(FrameOutcome(truth, estimates, slim, stages_s))
+            if gallery is not None and gallery.wants(truth):
+                picture = overlay_jpeg(frame, simulation.rig.cameras, seen, estimates, truth)
+                gallery.add(Picture(frame.index, picture))
+        return Episode(
+            scenario=job.scenario.name,
+            group=job.scenario.group,
+            seed=job.seed,
+            fps=performance.fps,
+            cameras=simulation.rig.cameras,
+            frames=tuple(outcomes),
+            digest=digest(job.scenario),
+            values=concrete(job.scenario, job.seed, job.overrides),
+            pictures=() if gallery is None else tuple(gallery.pictures),
+        )
+
+
+class _Gallery:
+    """Chooses which frames of an episode are kept as pictures: even spacing, and changes of merge."""
+
+    def __init__(self, frames: int) -> None:
+        step = max(1, (frames - 1) // (EVENLY_SPACED_PICTURES - 1)) if frames > 1 else 1
+        self._even = set(range(0, frames, step))
+        self._merged: tuple[bool, ...] = ()
+        self._left = MAX_PICTURES - len(self._even)
+        self.pictures: list[Picture] = []
+
+    def wants(self, truth: Truth) -> bool:
+        merged = tuple(bool(view.merged.any()) for view in truth.views)
+        changed = self._merged != merged and bool(self._merged)
+        self._merged = merged
+        if truth.index in self._even:
+            return True
+        if changed and self._left > 0:
+            self._left -= 1
+            return True
+        return False
+
+    def add(self, picture: Picture) -> None:
+        self.pictures.append(picture)
+
+
+__all__ = ["Detections", "Job", "System", "play"]
