@@ -41,7 +41,7 @@ class Camera:
         object.__setattr__(self, "distortion", lens)
 
     @property
-    def M(self) -> Floats:
+    def M(self) -> Floats:  # noqa: N802 - the thesis's letter
         """Projection matrix K [R t], (3, 4) (Eq. 3.15)."""
         return np.asarray(self.K @ np.column_stack([self.R_cw, self.t_cw]))
 
@@ -64,12 +64,12 @@ class StereoRig:
         return self.left, self.right
 
     @property
-    def R(self) -> Floats:
+    def R(self) -> Floats:  # noqa: N802 - OpenCV's letter
         """Rotation left camera frame -> right camera frame, (3, 3)."""
         return np.asarray(self.right.R_cw @ self.left.R_cw.T)
 
     @property
-    def T(self) -> Floats:
+    def T(self) -> Floats:  # noqa: N802 - OpenCV's letter
         """Left camera's origin in the right camera frame, (3,) [m]."""
         return np.asarray(self.right.t_cw - self.R @ self.left.t_cw)
 
@@ -80,7 +80,7 @@ def to_camera(camera: Camera, points_w: Floats) -> Floats:
 
 
 def project(camera: Camera, points_w: Floats) -> Floats:
-    """World points (..., 3) [m] to undistorted pixels (..., 2), NaN if not in front (Eq. 3.15, 3.17)."""
+    """World points (..., 3) [m] to undistorted pixels (..., 2) (Eq. 3.15, 3.17); NaN if behind."""
     q = to_camera(camera, points_w) @ camera.K.T
     return np.asarray(q[..., :2] / np.where(q[..., 2:] > 0, q[..., 2:], np.nan))
 
@@ -88,7 +88,7 @@ def project(camera: Camera, points_w: Floats) -> Floats:
 def projection_jacobian(camera: Camera, point_w: Floats) -> Floats:
     """d project / d point at one world point (3,) [m]: (2, 3) [px/m].
 
-    With q = M Q and s = M^3 Q: (M^{1,2} - z M^3) / s. The thesis's H (Eq. 3.20) lacks the z M^3 term.
+    With q = M Q and s = M^3 Q: (M^{1,2} - z M^3) / s. The thesis's H (Eq. 3.20) lacks z M^3.
     """
     M = camera.M
     q = M[:, :3] @ point_w + M[:, 3]
@@ -126,7 +126,7 @@ def distort_points(camera: Camera, pixels: Floats) -> Floats:
 
 
 def undistort_picture(camera: Camera, picture: np.ndarray) -> np.ndarray:
-    """A whole picture (h, w, 3) resampled to the ideal pinhole with the same K, as in the thesis."""
+    """A picture (h, w, 3) resampled to the ideal pinhole with the same K, as in the thesis."""
     if not np.any(camera.distortion):
         return picture
     ideal: np.ndarray = cv2.undistort(picture, np.array(camera.K), np.array(camera.distortion))
@@ -140,7 +140,7 @@ def triangulate(cameras: tuple[Camera, ...], pixels: Floats) -> Floats:
     """
     rows = []
     for camera, (x, y) in zip(cameras, pixels, strict=True):
-        # Rows are scaled by the focal length, so that the null space is found in angles, not pixels.
+        # Rows are scaled by the focal length: the null space is found in angles, not pixels.
         M = camera.M / np.array([[camera.K[0, 0]], [camera.K[1, 1]], [1.0]])
         rows.append(x / camera.K[0, 0] * M[2] - M[0])
         rows.append(y / camera.K[1, 1] * M[2] - M[1])

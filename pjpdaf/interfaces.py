@@ -96,7 +96,7 @@ class Detector(Protocol):
     def __call__(
         self, frame: StereoFrame, predicted: Estimates | None = None
     ) -> tuple[Detections, ...]:
-        """One `Detections` a view. `predicted`: where the tracker expects the targets, if it says."""
+        """One `Detections` a view. `predicted`: where the tracker expects the targets, or None."""
         ...
 
 
@@ -107,7 +107,7 @@ class Tracker(Protocol[State]):
     """Measurements to 3-D. Parameters and cameras on the object; all that changes in State."""
 
     def start(self, seen: tuple[Detections, ...]) -> State | None:
-        """The first state, or None where this frame does not suffice to start (wait for the next)."""
+        """The first state, or None where this frame does not suffice to start: wait."""
         ...
 
     def step(

@@ -10,10 +10,9 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import math
-import types
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from pjpdaf.errors import BenchError
 
@@ -29,8 +28,8 @@ class UnknownPreset(BenchError):
         super().__init__(f"No preset {name!r}.{did_you_mean(name, known)}")
 
 
-class BadOverride(BenchError):
-    """A KEY=VALUE that names no parameter, or whose value does not fit it."""
+class BadParameter(BenchError):
+    """A parameter out of its range, or a KEY=VALUE that names none or does not fit."""
 
 
 def did_you_mean(name: str, known: Collection[str]) -> str:
@@ -45,7 +44,7 @@ def _positive(record: Any, names: tuple[str, ...], zero: bool = False) -> None:
         value = getattr(record, name)
         if not (math.isfinite(value) and (value > 0 or (zero and value == 0))):
             rule = "at least 0" if zero else "above 0"
-            raise BadOverride(f"{type(record).__name__}.{name} must be {rule}, got {value!r}.")
+            raise BadParameter(f"{type(record).__name__}.{name} must be {rule}, got {value!r}.")
 
 
 @dataclass(frozen=True)
@@ -56,9 +55,9 @@ class DetectorParameters:
     # thesis: Calibration Toolbox, section 4.1).
     undistort: Literal["points", "picture"] = "points"
     # Hue interval [deg], min..max upwards; may wrap: (350, 20) crosses 0. "Determined empirically".
-    hue_range_deg: tuple[float, float] = (2.0, 38.0)
+    hue_range_deg: tuple[float, float] = (356.0, 40.0)
     # Saturation interval [1], 0..1. "Determined empirically".
-    saturation_range: tuple[float, float] = (0.25, 0.65)
+    saturation_range: tuple[float, float] = (0.2, 0.7)
     # Smallest value (brightness) of a skin pixel [1], 0..1. Not in the thesis: dark hair is noise.
     value_min: float = 0.2
     # Fewest person-free frames to learn the background from [frames]. Thesis: "several".
@@ -70,6 +69,10 @@ class DetectorParameters:
     hue_sd_floor_deg: float = 6.0
     sat_sd_floor: float = 0.03
     val_sd_floor: float = 0.03
+    # A pixel that only lost light is shadow, not foreground: its value lies between this share of the
+    # background's and all of it [1], and hue and saturation pass the test alone. 1 = no such rule,
+    # as in the thesis. The person's own shadow on wood keeps the hue of skin.
+    shadow_min: float = 0.5
     # Smallest component kept [px], A_min of Table 4.1 (500), here at the reference focal length.
     min_area_px: float = 150.0
     # min_area_px holds for this focal length [px] and this depth [m]; it is scaled by
@@ -89,8 +92,12 @@ class DetectorParameters:
     # Standard deviation of a centre, per axis [px], reported with each detection; R of Table 4.1
     # is 15 px^2.
     centre_sd_px: float = math.sqrt(15.0)
-    # Components nearer than their own size are one object (a sleeve, a cup or a shadow cut it).
+    # A component under min_area_px joins the nearest one if that is nearer than its own diameter
+    # (a sleeve, a cup or a shadow cut it off). Not in the thesis.
     merge_fragments: bool = True
+    # The N components themselves compete, beside k-means with k = N: k-means alone gives the rim of
+    # a head to a hand close by. Not in the thesis.
+    components_compete: bool = True
 
     def __post_init__(self) -> None:
         _positive(
@@ -110,6 +117,7 @@ class DetectorParameters:
             self,
             (
                 "value_min",
+                "shadow_min",
                 "min_area_px",
                 "reference_focal_px",
                 "reference_depth_m",
@@ -121,7 +129,288 @@ class DetectorParameters:
         )
         low, high = self.saturation_range
         if not 0 <= low < high <= 1:
-            raise BadOverride(
+            raise BadParameter(
                 "DetectorParameters.saturation_range must be min < max within 0..1, "
                 f"got {self.saturation_range}."
             )
+
+
+Measurement = Literal["thesis", "centred", "jacobian"]
+Clutter = Literal["density", "relative", "area"]
+Update = Literal["stacked", "stacked_detected", "stacked_weighted", "sequential", "most_probable"]
+
+
+@dataclass(frozen=True)
+class TrackerParameters:
+    """Thesis 3.2-3.6 and Table 4.1, plus the readings of what the thesis leaves open.
+
+    measurement, the matrix H of Eq. 3.20: 'thesis' lambda M; 'centred' the same with the pixel
+    origin at the principal point; 'jacobian' the derivative of the projection.
+    clutter_reading, C of Eq. 3.32: 'density' C [1/px^2] beside a Gaussian density; 'relative' C
+    relative to the Gaussian's peak (N becomes exp(-d^2/2)); 'area' C false blobs an image, divided
+    by the image's area.
+    update: 'stacked' Eq. 3.39-3.44 as printed; 'stacked_detected' the same without the views in
+    which the gate is empty; 'stacked_weighted' each view's noise divided by its 1 - beta_0n;
+    'sequential' each view's own PDA update in turn; 'most_probable' the likeliest measurement of
+    each view, taken as certain, in an ordinary Kalman update (Eq. 3.10-3.12).
+    beta_0 (Eq. 3.42): 'sum' as printed; 'product' what its words say.
+    occlusion (Eq. 3.23), the views left out for a target: 'shared_measurement' a measurement lies
+    in two targets' gates; 'fewer_measurements' a cluster of gates holds fewer measurements than
+    targets; 'none'.
+    process: 'per_frame' the same Q every step; 'scaled' Q * dt / frame_s.
+    """
+
+    measurement: Measurement = "jacobian"
+    clutter_reading: Clutter = "relative"
+    update: Update = "sequential"
+    beta_0: Literal["sum", "product"] = "product"
+    occlusion: Literal["shared_measurement", "fewer_measurements", "none"] = "fewer_measurements"
+    process: Literal["per_frame", "scaled"] = "scaled"
+    # One frame, the unit of time of the thesis's velocities and of Q [s]; 3 frames/s, section 4.1.
+    frame_s: float = FRAME_S
+    # P_0 of Table 4.1, per axis: 70 mm^2 [m^2] and 30 (mm/frame)^2 [(m/s)^2].
+    start_position_m2: float = 70 * MM2
+    start_velocity_m2ps2: float = 30 * MM2_PER_FRAME2
+    # Q of Table 4.1 a frame, per axis: 50 mm^2 [m^2] and 5 (mm/frame)^2 [(m/s)^2].
+    process_position_m2: float = 50 * MM2
+    process_velocity_m2ps2: float = 5 * MM2_PER_FRAME2
+    # R of Table 4.1, per axis [px^2].
+    measurement_px2: float = 15.0
+    # R's third entry [1]: the variance of the constant third row; 0 = the row is left out.
+    third_row_variance: float = 0.0
+    # P_D of Table 4.1 [1].
+    p_detect: float = 0.9
+    # g^2 of Table 4.1 [1].
+    gate: float = 15.0
+    # C of Table 4.1; its unit is that of clutter_reading.
+    clutter: float = 0.1
+    # A target is found in a view where the mass 1 - beta_0n is at least this [1]. Ours.
+    found_mass: float = 0.5
+    # Lost after this time without being found in two views [s], or at this standard deviation of
+    # the position along its worst axis [m]. Ours.
+    lost_after_s: float = 1.0
+    lost_sd_m: float = 0.5
+    # Start (section 3.6) only where every target triangulates within this distance in each view
+    # [px], this depth [m], and the hands within this distance of the head [m]. Ours.
+    start_residual_px: float = 10.0
+    start_depth_m: tuple[float, float] = (0.3, 5.0)
+    start_reach_m: float = 1.2
+
+    def __post_init__(self) -> None:
+        _positive(
+            self,
+            (
+                "frame_s",
+                "start_position_m2",
+                "start_velocity_m2ps2",
+                "measurement_px2",
+                "gate",
+                "clutter",
+                "lost_sd_m",
+                "start_residual_px",
+                "start_reach_m",
+            ),
+        )
+        _positive(
+            self,
+            (
+                "process_position_m2",
+                "process_velocity_m2ps2",
+                "third_row_variance",
+                "lost_after_s",
+            ),
+            zero=True,
+        )
+        for name in ("p_detect", "found_mass"):
+            if not 0 < getattr(self, name) < 1:
+                value = getattr(self, name)
+                raise BadParameter(
+                    f"TrackerParameters.{name} must be between 0 and 1, got {value!r}."
+                )
+        if self.clutter_reading == "area" and self.third_row_variance:
+            raise BadParameter(
+                "TrackerParameters.clutter_reading 'area' is a density over x and y; "
+                "set third_row_variance=0 with it."
+            )
+
+
+@dataclass(frozen=True)
+class Departure:
+    """One place where a preset leaves the printed thesis."""
+
+    name: str
+    thesis: str
+    ours: str
+    reason: str
+    effect: str
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A named pair of parameter records and the departures they stand for."""
+
+    name: str
+    detector: DetectorParameters
+    tracker: TrackerParameters
+    departures: tuple[Departure, ...]
+
+
+_DIMENSION = Departure(
+    "exponent of 2 pi",
+    "(2 pi)^{m/2}, m the number of measurements (Eq. 3.32)",
+    "the dimension of one measurement",
+    "as printed, the weight of a measurement would depend on how many others there are",
+    "none with one measurement a view",
+)
+_TINY_FLOORS = Departure(
+    "floors of the background's deviations",
+    "none (section 3.1.1)",
+    "one step of 8-bit HSV",
+    "a pixel that never changed has variance 0, and then every pixel is foreground",
+    "makes the printed method computable",
+)
+_WAIT = Departure(
+    "start",
+    "the first frame (section 3.6)",
+    "the first frame whose views agree: residual, depth, distance between head and hands",
+    "in 0-15 % of sequences a hand is hidden, or too small in one view, when the action starts",
+    "a later start instead of a wrong one",
+)
+
+_LITERAL = Preset(
+    "thesis-literal",
+    DetectorParameters(
+        undistort="picture",
+        value_min=0.0,
+        hue_sd_floor_deg=2.0,
+        sat_sd_floor=1 / 255,
+        val_sd_floor=1 / 255,
+        shadow_min=1.0,
+        min_area_px=500.0,
+        reference_focal_px=0.0,
+        reference_depth_m=0.0,
+        subsample=1,
+        merge_fragments=False,
+        components_compete=False,
+    ),
+    TrackerParameters(
+        measurement="thesis",
+        clutter_reading="density",
+        update="stacked",
+        beta_0="sum",
+        occlusion="shared_measurement",
+        process="per_frame",
+        third_row_variance=0.5,
+    ),
+    (_DIMENSION, _TINY_FLOORS, _WAIT),
+)
+
+# The thesis preset: the same structure in the reading that works.
+_THESIS = Preset(
+    "thesis",
+    DetectorParameters(
+        min_area_px=500.0, reference_focal_px=0.0, reference_depth_m=0.0, merge_fragments=False
+    ),
+    TrackerParameters(
+        process_position_m2=16 * 50 * MM2,
+        process_velocity_m2ps2=64 * 5 * MM2_PER_FRAME2,
+    ),
+    (
+        _DIMENSION,
+        _WAIT,
+    ),
+)
+
+PRESETS: dict[str, Preset] = {preset.name: preset for preset in (_LITERAL, _THESIS)}
+
+
+def find_preset(name: str) -> Preset:
+    """The preset of that name. Raises UnknownPreset."""
+    if name not in PRESETS:
+        raise UnknownPreset(name, PRESETS)
+    return PRESETS[name]
+
+
+def field_names(record: type) -> tuple[str, ...]:
+    """Names of a parameter record's fields, in order."""
+    return tuple(field.name for field in dataclasses.fields(record))
+
+
+Parameters = TypeVar("Parameters", DetectorParameters, TrackerParameters)
+
+
+def with_values(record: Parameters, values: Mapping[str, object]) -> Parameters:
+    """A copy with some fields changed; texts are read as the field's type. Raises BadParameter."""
+    kinds = get_type_hints(type(record))
+    changed = {}
+    for key, value in values.items():
+        if key not in kinds:
+            raise BadParameter(
+                f"{type(record).__name__} has no field {key!r}.{did_you_mean(key, kinds)}"
+            )
+        changed[key] = _read(key, value, kinds[key])
+    return dataclasses.replace(record, **changed)
+
+
+def override(preset: Preset, values: Mapping[str, object]) -> Preset:
+    """A preset with KEY=VALUE changes, e.g. {'p_detect': '0.8', 'detector.min_area_px': '150'}.
+
+    A key is a field of either record, or starts with 'detector.' or 'tracker.'. Raises
+    BadParameter with the choices and the nearest name.
+    """
+    parts: dict[str, dict[str, object]] = {"detector": {}, "tracker": {}}
+    names = {
+        "detector": field_names(DetectorParameters),
+        "tracker": field_names(TrackerParameters),
+    }
+    for key, value in values.items():
+        part, _, name = key.rpartition(".")
+        homes = [part] if part in parts else [home for home in parts if not part]
+        home = next((home for home in homes if name in names[home]), None)
+        if home is None:
+            known = [field for h in (homes or list(parts)) for field in names[h]]
+            raise BadParameter(f"No parameter {key!r}.{did_you_mean(name, known)}")
+        parts[home][name] = value
+    return dataclasses.replace(
+        preset,
+        detector=with_values(preset.detector, parts["detector"]),
+        tracker=with_values(preset.tracker, parts["tracker"]),
+    )
+
+
+_TRUE, _FALSE = ("true", "yes", "on", "1"), ("false", "no", "off", "0")
+
+
+def _read(key: str, value: object, kind: Any) -> Any:
+    """`value`, possibly text, as `kind`: Literal, bool, int, float or a tuple of floats."""
+    origin = get_origin(kind)
+    if origin is Literal:
+        if value in get_args(kind):
+            return value
+        raise BadParameter(
+            f"{key} must be one of {', '.join(map(repr, get_args(kind)))}, got {value!r}."
+        )
+    if origin is tuple:
+        parts = value.strip("()[] ").split(",") if isinstance(value, str) else value
+        wanted = get_args(kind)
+        if not isinstance(parts, (list, tuple)) or len(parts) != len(wanted):
+            raise BadParameter(
+                f"{key} must be {len(wanted)} numbers with commas between, got {value!r}."
+            )
+        return tuple(_read(key, part, k) for part, k in zip(parts, wanted, strict=True))
+    if kind is bool:
+        text = str(value).strip().lower()
+        if text not in _TRUE + _FALSE:
+            raise BadParameter(f"{key} must be true or false, got {value!r}.")
+        return text in _TRUE
+    assert kind in (int, float), kind
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        raise BadParameter(f"{key} must be a number, got {value!r}.")
+    try:
+        number = kind(value)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number) or (kind is int and float(value) != number):
+        noun = "a whole number" if kind is int else "a number"
+        raise BadParameter(f"{key} must be {noun}, got {value!r}.")
+    return number

@@ -56,7 +56,7 @@ def find_events(episode: Episode) -> tuple[Event, ...]:
 
     swap: m = <e_R - e_L, g_R - g_L> / |g_R - g_L|² < 0 for 0.5 s of frames in which the hands are
     more than 0.10 m apart; over when m > 0 for as long. One event, of the right hand with the left.
-    capture: for 0.5 s an estimate is nearer to another target's truth than to its own, the two
+    capture: for 0.5 s an estimate is nearest to another target's truth instead of its own, the two
     truths being more than 0.10 m apart. Hands that capture each other are a swap, not a capture.
     lost: more than 0.15 m off for 1 s. No estimate counts as infinitely far off, except before the
     first one (the tracker waits for a good start); a target that never gets one is lost from
@@ -74,7 +74,10 @@ def find_events(episode: Episode) -> tuple[Event, ...]:
 
 
 def swap_margin(truths_m: Floats, estimates_m: Floats) -> Floats:
-    """m (F,): +1 hands right, 0 coalesced, -1 swapped; NaN without both estimates. Inputs (F, T, 3)."""
+    """m (F,) from positions (F, T, 3): +1 right, 0 coalesced, -1 swapped.
+
+    NaN in frames without estimates of both hands.
+    """
     g = truths_m[:, RIGHT_HAND] - truths_m[:, LEFT_HAND]
     e = estimates_m[:, RIGHT_HAND] - estimates_m[:, LEFT_HAND]
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -151,8 +154,10 @@ def _captures(truths: Floats, estimates: Floats, times: Floats, fps: float) -> l
         for u in range(T):
             if t != u:
                 apart = _apart(truths, t, u)
-                captured[:, t, u] = apart & (distances[:, t, u] < distances[:, t, t])
-                decided[:, t, u] = apart & (distances[:, t, u] >= distances[:, t, t])
+                nearest = (distances[:, t, [u]] <= distances[:, t]).all(axis=1)
+                taken = nearest & (distances[:, t, u] < distances[:, t, t])
+                captured[:, t, u] = apart & taken
+                decided[:, t, u] = apart & ~taken & np.isfinite(distances[:, t, u])
     mutual = captured[:, RIGHT_HAND, LEFT_HAND] & captured[:, LEFT_HAND, RIGHT_HAND]
     found = []
     for t in range(T):

@@ -29,7 +29,7 @@ class FrameOutcome:
 
 @dataclass(frozen=True)
 class Picture:
-    """Both views of a frame side by side, detections and estimates drawn in (`overlay.draw`)."""
+    """Both views of a frame side by side, all drawn in by `overlay.overlay_jpeg`."""
 
     frame: int
     jpeg: bytes

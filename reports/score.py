@@ -78,12 +78,14 @@ def score(episode: Episode) -> EpisodeScore:
         visible=np.stack([[v.visible_fractions for v in truth.views] for truth in truths]).swapaxes(
             1, 2
         ),
-        merged=merged.any(axis=(1, 3)),
+        merged=np.asarray(merged.any(axis=(1, 3))),
         nees=normalised_errors(estimates - centres, covariances),
     )
 
 
-def lateral_and_depth(camera: Camera, estimates_w: Floats, truths_w: Floats) -> tuple[Floats, Floats]:
+def lateral_and_depth(
+    camera: Camera, estimates_w: Floats, truths_w: Floats
+) -> tuple[Floats, Floats]:
     """Parts of the error (..., 3) [m] across and along the camera's viewing ray to the truth.
 
     Lateral (...) >= 0, depth (...) signed: positive where the estimate is too far away.

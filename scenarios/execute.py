@@ -10,12 +10,16 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import TimeoutError as FutureTimeout
 from concurrent.futures import wait
 from dataclasses import dataclass
+from pathlib import Path
 
 from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
 from pjpdaf.errors import BenchError, InfrastructureError
-from reports.records import Episode, EpisodeFailure
+from reports.records import EpisodeFailure
+from reports.rows import EpisodeRows, rows_of
 from scenarios.play import Job, play
+from scenarios.spec import digest
+from sim.contact import Unposable
 
 EPISODE_TIME_LIMIT_S = 900.0
 ATTEMPTS = 3  # only for killed workers: scores are never played again
@@ -28,14 +32,12 @@ WORKER_ENVIRONMENT = {
     "MKL_NUM_THREADS": "1",
 }
 
-Outcome = Episode | EpisodeFailure
-
 
 @dataclass(frozen=True)
 class Played:
-    """What came of a list of jobs; finished outcomes only, in the order of the jobs."""
+    """What came of a list of jobs; finished ones only, in the order of the jobs."""
 
-    outcomes: tuple[Outcome, ...]
+    rows: tuple[EpisodeRows, ...]
     interrupted: bool
     renderer: str
 
@@ -56,16 +58,20 @@ def _check_renderer() -> str:
     return gl.describe()
 
 
-def _play_safely(job: Job) -> Outcome | BenchError:
+def _play_safely(job: Job) -> EpisodeRows | BenchError:
     """`play`, with what a user can put right returned, and any other fault as a failed episode."""
     try:
-        return play(job)
+        return rows_of(play(job))
+    except Unposable as fault:
+        return _failure(job, f"cannot be posed: {fault}")
     except BenchError as fault:
-        return fault
+        # Errors with fields of their own do not survive pickling; line and exit code are all we need.
+        kind = InfrastructureError if fault.exit_code == 5 else BenchError
+        return kind(str(fault))
     except Exception as fault:
         where = traceback.extract_tb(fault.__traceback__)[-1]
-        reason = f"{type(fault).__name__}: {fault} ({where.name}, line {where.lineno})"
-        return EpisodeFailure(job.scenario.name, job.scenario.group, job.seed, reason)
+        place = f"{Path(where.filename).name}:{where.lineno}"
+        return _failure(job, f"{type(fault).__name__}: {fault} ({place})")
 
 
 def check_renderer(context: multiprocessing.context.SpawnContext | None = None) -> str:
@@ -80,19 +86,19 @@ def check_renderer(context: multiprocessing.context.SpawnContext | None = None) 
 def play_all(
     jobs: Sequence[Job],
     workers: int,
-    on_done: Callable[[Outcome], None] = lambda outcome: None,
+    on_done: Callable[[EpisodeRows], None] = lambda row: None,
     time_limit_s: float = EPISODE_TIME_LIMIT_S,
 ) -> Played:
     """Play all jobs on `workers` processes.
 
     A worker that dies is replaced and its episode played again, three times at most; an episode over
-    its time limit, or that raises, becomes an `EpisodeFailure`. Ctrl-C ends the run and keeps what is
-    finished. The order of the outcomes and their contents do not depend on `workers`.
+    its time limit, or that raises, becomes a failed episode. Ctrl-C ends the run and keeps what is
+    finished. The order of the rows and their contents do not depend on `workers`.
     Raises BenchError (the first in the order of the jobs) where the user's input is at fault.
     """
-    results: dict[int, Outcome] = {}
+    results: dict[int, EpisodeRows] = {}
     attempts = [0] * len(jobs)
-    pending: dict[ProcessFuture[Outcome | BenchError], int] = {}
+    pending: dict[ProcessFuture[EpisodeRows | BenchError], int] = {}
     interrupted = False
     with _pool(min(workers, len(jobs))) as pool:
         renderer = _renderer_of(pool)
@@ -125,23 +131,28 @@ def play_all(
 
 
 def _outcome(
-    future: ProcessFuture[Outcome | BenchError], job: Job, attempt: int, time_limit_s: float
-) -> Outcome | None:
+    future: ProcessFuture[EpisodeRows | BenchError], job: Job, attempt: int, time_limit_s: float
+) -> EpisodeRows | None:
     """A finished future as an outcome; None: the worker died and the job may be tried again."""
-    name, group, seed = job.scenario.name, job.scenario.group, job.seed
     try:
-        result = future.result()
+        result: EpisodeRows | BenchError = future.result()
     except FutureTimeout:
-        return EpisodeFailure(name, group, seed, f"not finished within {time_limit_s:.0f} s")
+        return _failure(job, f"not finished within {time_limit_s:.0f} s")
     except ProcessExpired as death:
         if attempt < ATTEMPTS:
             return None
-        return EpisodeFailure(
-            name, group, seed, f"its worker died {attempt} times (exit code {death.exitcode})"
-        )
+        return _failure(job, f"its worker died {attempt} times (exit code {death.exitcode})")
     if isinstance(result, BenchError):
         raise result
     return result
+
+
+def _failure(job: Job, reason: str) -> EpisodeRows:
+    scenario = job.scenario
+    failure = EpisodeFailure(
+        scenario.name, job.seed, reason, scenario.group, digest(scenario)
+    )
+    return rows_of(failure)
 
 
 def _pool(workers: int) -> ProcessPool:

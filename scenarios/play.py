@@ -13,6 +13,7 @@ from pjpdaf.registry import make_detector, make_tracker
 from reports.overlay import overlay_jpeg
 from reports.records import Episode, FrameOutcome, Picture
 from scenarios.spec import Scenario, concrete, digest, perform
+from sim.gestures import Value
 from sim.sequence import Simulation
 from sim.truth import Truth
 
@@ -36,7 +37,7 @@ class Job:
 
     scenario: Scenario
     seed: int
-    overrides: Mapping[str, str]
+    overrides: Mapping[str, Value]
     system: System
     keep_pictures: bool = False
 

@@ -16,11 +16,14 @@ class Appearance:
     skin_rgb: RGB = (0.84, 0.58, 0.45)
     hair_rgb: RGB = (0.16, 0.10, 0.07)
     shirt_rgb: RGB = (0.15, 0.22, 0.52)
+    short_sleeves: bool = False  # bare forearms: skin that belongs to no target
+    beard: bool = False
+    glasses: bool = False
 
 
 @dataclass(frozen=True)
 class ObjectSpec:
-    """A thing on the table: kind is one of can, cup, box, ball, book; (x, y) of its base's centre."""
+    """A thing on the table: kind is one of sim.room.KINDS; (x, y) of its base's centre."""
 
     name: str
     kind: str
@@ -41,6 +44,7 @@ class RoomSpec:
     table_rgb: RGB = (0.47, 0.50, 0.53)
     wall_rgb: RGB = (0.62, 0.63, 0.60)
     light_gain: float = 1.0
+    light_rgb: RGB = (1.0, 1.0, 1.0)  # colour of all lights
     texture_seed: int = 0
     objects: tuple[ObjectSpec, ...] = ()
 

@@ -1,0 +1,247 @@
+"""Joint probabilistic data association, thesis 3.4: gates, feasible events, association weights."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pjpdaf.arrays import Floats
+
+Bools = NDArray[np.bool_]
+
+# One cluster of overlapping gates costs measurements * 2^targets * targets in time and memory.
+LARGEST_CLUSTER = 20
+_MATRICES_TO = 4  # targets; above, 2^T x 2^T matrices cost more than they save
+_SPLIT_ABOVE = 6  # targets; below, finding the clusters costs more than it saves
+
+
+def squared_distances(innovations: Floats, S: Floats) -> Floats:
+    """Mahalanobis distances squared z^T S^-1 z (Eq. 3.24).
+
+    innovations (m, T, r) [px]; S (T, r, r) [px^2]; returns (m, T).
+    """
+    if len(innovations) == 0:
+        return np.zeros(innovations.shape[:2])
+    whitened = np.linalg.solve(S, innovations.transpose(1, 2, 0))  # (T, r, m)
+    return np.asarray((innovations.transpose(1, 2, 0) * whitened).sum(axis=1).T)
+
+
+def validation_matrix(gated: Bools) -> Bools:
+    """Omega of Eq. 3.28: gated (m, T) with the clutter column in front, (m, T + 1)."""
+    return np.column_stack([np.ones(len(gated), dtype=bool), gated])
+
+
+def feasible_events(omega: ArrayLike) -> Iterator[tuple[int, ...]]:
+    """All feasible events of a validation matrix (m, T + 1), clutter in column 0 (section 3.4.2).
+
+    An event is the origin of each measurement, 0 for clutter: one origin a measurement, at most
+    one measurement a target. There are exponentially many; `association_probabilities` does not
+    need them.
+    """
+    rows = [tuple(np.flatnonzero(row).tolist()) for row in np.asarray(omega, dtype=bool)]
+
+    def extend(event: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+        if len(event) == len(rows):
+            yield event
+            return
+        for origin in rows[len(event)]:
+            if origin == 0 or origin not in event:
+                yield from extend((*event, origin))
+
+    return extend(())
+
+
+def clusters(gated: Bools) -> list[tuple[list[int], list[int]]]:
+    """Targets whose gates share measurements, and those measurements, from gated (m, T).
+
+    Every target is in exactly one cluster; a cluster may hold no measurement.
+    """
+    found: list[tuple[int, int]] = []  # bit sets: targets, measurements
+    for t, column in enumerate(gated.T):
+        targets = 1 << t
+        measurements = sum(1 << j for j in np.flatnonzero(column).tolist())
+        apart = []
+        for other in found:
+            if other[1] & measurements:
+                targets, measurements = targets | other[0], measurements | other[1]
+            else:
+                apart.append(other)
+        found = [*apart, (targets, measurements)]
+    return [(_bits(targets), _bits(measurements)) for targets, measurements in sorted(found)]
+
+
+def _bits(number: int) -> list[int]:
+    return [i for i in range(number.bit_length()) if number >> i & 1]
+
+
+def association_probabilities(
+    likelihood: ArrayLike, gated: ArrayLike, p_detect: ArrayLike, clutter: float
+) -> Floats:
+    """Association weights beta of Eq. 3.33-3.34 in one view, (m + 1, T); row 0: not detected.
+
+    likelihood (m, T): N of Eq. 3.32, in the unit of `clutter`, the C of Eq. 3.32; gated (m, T);
+    p_detect a number or (T,), 0..1. Exact: the sum over all feasible events is a recursion over
+    measurements whose state is the set of targets already used, O(m 2^T T).
+
+    Raises ValueError on wrong shapes or values, on a cluster of more than `LARGEST_CLUSTER`
+    targets, and where no feasible event has a probability above zero.
+    """
+    L = np.asarray(likelihood, dtype=np.float64)
+    mask = np.asarray(gated, dtype=bool)
+    if L.ndim != 2 or mask.shape != L.shape:
+        raise ValueError(
+            f"likelihood and gated must both have shape (m, T), got {L.shape} and {mask.shape}"
+        )
+    T = L.shape[1]
+    PD = np.broadcast_to(np.asarray(p_detect, dtype=np.float64), (T,))
+    if not (0.0 <= clutter < math.inf and np.all((PD >= 0.0) & (PD <= 1.0))):
+        raise ValueError(
+            f"clutter must be at least 0 and p_detect within 0..1, got {clutter} and {PD}"
+        )
+    L = np.where(mask, L, 0.0)
+    if not np.all(np.isfinite(L) & (L >= 0.0)):
+        raise ValueError("likelihood must be finite and at least 0 inside the gates")
+    if T <= _SPLIT_ABOVE:
+        return _one_cluster(L, PD, clutter)
+    beta = np.zeros((len(L) + 1, T))
+    for targets, measurements in clusters(mask):
+        if len(targets) > LARGEST_CLUSTER:
+            raise ValueError(
+                f"{len(targets)} targets share measurements, more than {LARGEST_CLUSTER}; "
+                "lower the gate"
+            )
+        part = _one_cluster(L[np.ix_(measurements, targets)], PD[targets], clutter)
+        beta[np.ix_([0, *(j + 1 for j in measurements)], targets)] = part
+    return beta
+
+
+def _one_cluster(L: Floats, PD: Floats, clutter: float) -> Floats:
+    m, T = L.shape
+    beta = np.zeros((m + 1, T))
+    # A measurement outside every gate is clutter in all events: a common factor.
+    top = L.max(axis=1, initial=0.0)
+    used = np.flatnonzero(top > 0.0)
+    if len(used):
+        L = L[used]
+        # Each event has exactly one factor a measurement, so a row may be scaled at will.
+        scale = np.maximum(top[used], clutter)
+        L = L / scale[:, None]
+        C = clutter / scale
+        if _spread(L, C, PD) > 280.0:
+            beta[used + 1] = _logarithmic(L, C, PD)
+        else:
+            beta[used + 1] = (_by_matrices if T <= _MATRICES_TO else _linear)(L, C, PD)
+    beta[0] = 1.0 - beta[1:].sum(axis=0)  # Eq. 3.34
+    # Rounding may leave -1e-16.
+    np.clip(beta[0], 0.0, 1.0, out=beta[0])
+    return beta
+
+
+def _spread(L: Floats, C: Floats, PD: Floats) -> float:
+    """Decimal orders between the sum of all events and the smallest one, at most."""
+    smallest = np.minimum(np.where(L > 0.0, L, 1.0).min(axis=1), np.where(C > 0.0, C, 1.0))
+    odds = np.minimum(np.where(PD > 0.0, PD, 1.0), np.where(PD < 1.0, 1.0 - PD, 1.0))
+    events = len(L) * math.log10(L.shape[1] + 1)
+    return float(events - np.log10(smallest).sum() - np.log10(odds).sum())
+
+
+_IMPOSSIBLE = "no feasible event has a probability above 0; raise clutter above 0 or lower p_detect"
+
+
+@lru_cache(maxsize=32)
+def _subsets(T: int) -> tuple[NDArray[np.intp], NDArray[np.intp], Bools]:
+    """Per subset s (bits) and target t, (2^T, T): s less t, s with t, t in s; 2^T: impossible."""
+    sets = np.arange(1 << T)[:, None]
+    bit = 1 << np.arange(T)
+    member = (sets & bit) > 0
+    nowhere = 1 << T
+    without = np.where(member, sets ^ bit, nowhere)
+    joined = np.where(member, nowhere, sets | bit)
+    return without, joined, member
+
+
+@lru_cache(maxsize=32)
+def _joins(T: int) -> Floats:
+    """(T + 1, 2^T, 2^T): entry (t, s, u) is 1 where u is s with t; the last is the identity."""
+    _, joined, _ = _subsets(T)
+    return np.array([*(np.eye((1 << T) + 1)[joined[:, t], :-1] for t in range(T)), np.eye(1 << T)])
+
+
+def _by_matrices(L: Floats, C: Floats, PD: Floats) -> Floats:
+    """Weights (m, T) of rows scaled to a largest factor of 1, for few targets.
+
+    The sum over events is a product of one matrix a measurement, from set to set.
+    """
+    m, T = L.shape
+    joins = _joins(T)
+    size = 1 << T
+    factors = np.concatenate([L, C[:, None]], axis=1)
+    A = (factors @ joins.reshape(T + 1, -1)).reshape(m, size, size)
+    ahead = np.zeros((m, size))
+    ahead[0, 0] = 1.0
+    for j in range(m - 1):
+        np.matmul(ahead[j], A[j], out=ahead[j + 1])
+    behind = np.empty((m, size))
+    behind[-1] = np.where(_subsets(T)[2], PD, 1.0 - PD).prod(axis=1)
+    for j in range(m - 1, 0, -1):
+        np.matmul(A[j], behind[j], out=behind[j - 1])
+    total = ahead[0] @ A[0] @ behind[0]
+    if not total > 0.0:
+        raise ValueError(_IMPOSSIBLE)
+    pairs = ((ahead @ joins[:T]) * behind).sum(axis=2)  # (T, m)
+    return np.asarray(L * pairs.T / total)
+
+
+def _linear(L: Floats, C: Floats, PD: Floats) -> Floats:
+    """As `_by_matrices` for many targets: O(m 2^T T)."""
+    m, T = L.shape
+    without, joined, member = _subsets(T)
+    size = 1 << T
+    ahead = np.zeros((m, size))  # weight of reaching each set before measurement j
+    now = np.zeros(size + 1)
+    now[0] = 1.0
+    for j in range(m):
+        ahead[j] = now[:size]
+        now[:size] = C[j] * now[:size] + now[without] @ L[j]
+    now[:size] = np.where(member, PD, 1.0 - PD).prod(axis=1)
+    beta = np.empty((m, T))
+    for j in range(m - 1, -1, -1):
+        onward = now[joined]
+        beta[j] = (ahead[j] @ onward) * L[j]
+        now[:size] = C[j] * now[:size] + onward @ L[j]
+    if not now[0] > 0.0:  # the weight of all events together
+        raise ValueError(_IMPOSSIBLE)
+    return np.asarray(beta / now[0])
+
+
+def _logarithmic(L: Floats, C: Floats, PD: Floats) -> Floats:
+    """As `_linear` in logarithms: slower, and safe for any spread of the factors."""
+    m, T = L.shape
+    without, joined, member = _subsets(T)
+    size = 1 << T
+    with np.errstate(divide="ignore"):
+        log_l, log_c, detected, missed = np.log(L), np.log(C), np.log(PD), np.log1p(-PD)
+    add: Any = np.logaddexp
+    ahead = np.zeros((m, size))
+    now = np.full(size + 1, -np.inf)
+    now[0] = 0.0
+    for j in range(m):
+        ahead[j] = now[:size]
+        now[:size] = add(log_c[j] + now[:size], add.reduce(now[without] + log_l[j], axis=1))
+    now[:size] = np.where(member, detected, missed).sum(axis=1)
+    beta = np.empty((m, T))
+    for j in range(m - 1, -1, -1):
+        onward = now[joined]
+        pairs = add.reduce(ahead[j][:, None] + onward, axis=0) + log_l[j]
+        step = add(log_c[j] + now[:size], add.reduce(onward + log_l[j], axis=1))
+        total = add.reduce(ahead[j] + step)
+        if not np.isfinite(total):
+            raise ValueError(_IMPOSSIBLE)
+        beta[j] = np.exp(pairs - total)
+        now[:size] = step
+    return beta

@@ -1,0 +1,126 @@
+"""Detectors and trackers by name: presets, entry points, 'module:factory'."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Iterable, Mapping
+from importlib.metadata import entry_points
+from typing import Any, cast
+
+from pjpdaf.camera import Camera
+from pjpdaf.errors import BenchError
+from pjpdaf.frames import StereoFrame
+from pjpdaf.interfaces import AnyTracker, Detector
+from pjpdaf.parameters import (
+    PRESETS,
+    DetectorParameters,
+    TrackerParameters,
+    did_you_mean,
+    field_names,
+    find_preset,
+    override,
+)
+from pjpdaf.tracker import PJPDAF
+
+DETECTORS = "pjpdaf_bench.detectors"
+TRACKERS = "pjpdaf_bench.trackers"
+
+Factory = Callable[[tuple[Camera, ...]], Any]
+
+
+class UnknownPart(BenchError):
+    """A detector or tracker that cannot be found, imported or built."""
+
+
+def names(group: str) -> tuple[str, ...]:
+    """Names that `make_detector` or `make_tracker` know, for group DETECTORS or TRACKERS."""
+    return tuple(sorted({*PRESETS, *(point.name for point in entry_points(group=group))}))
+
+
+def make_tracker(
+    name: str, cameras: tuple[Camera, ...], overrides: Mapping[str, object] | None = None
+) -> AnyTracker:
+    """A tracker: a preset's, an entry point of the group TRACKERS, or 'module:factory'.
+
+    overrides: KEY=VALUE for a preset (see `parameters.override`); keys of the detector are
+    checked and left to `make_detector`. Raises BenchError.
+    """
+    if name in PRESETS:
+        return PJPDAF(cameras, override(find_preset(name), overrides or {}).tracker)
+    _refuse_overrides("tracker", name, overrides, field_names(TrackerParameters))
+    part = _build("tracker", TRACKERS, name, cameras, ("start", "step", "estimates", "predict"))
+    return cast(AnyTracker, part)
+
+
+def make_detector(
+    name: str,
+    cameras: tuple[Camera, ...],
+    overrides: Mapping[str, object] | None = None,
+    background: Iterable[StereoFrame] | None = None,
+) -> Detector:
+    """A detector: a preset's, an entry point of the group DETECTORS, or 'module:factory'.
+
+    background: person-free frames to learn from at once. Otherwise as `make_tracker`.
+    """
+    if name in PRESETS:
+        from pjpdaf.detector import SkinDetector  # late: trackers do not need OpenCV's k-means
+
+        detector: Detector = SkinDetector(
+            cameras, override(find_preset(name), overrides or {}).detector
+        )
+    else:
+        _refuse_overrides("detector", name, overrides, field_names(DetectorParameters))
+        detector = cast(
+            Detector, _build("detector", DETECTORS, name, cameras, ("learn", "__call__"))
+        )
+    return detector if background is None else detector.learn(background)
+
+
+def _refuse_overrides(
+    kind: str, name: str, overrides: Mapping[str, object] | None, fields: tuple[str, ...]
+) -> None:
+    """A plug-in takes no KEY=VALUE; keys of the other part are its business."""
+    mine = [key for key in overrides or {} if key in fields or key.startswith(f"{kind}.")]
+    if mine:
+        raise UnknownPart(
+            f"The {kind} {name!r} is a plug-in and takes no parameters, got {', '.join(mine)}."
+        )
+
+
+def _build(
+    kind: str, group: str, name: str, cameras: tuple[Camera, ...], methods: tuple[str, ...]
+) -> object:
+    part = _factory(kind, group, name)(cameras)
+    missing = [method for method in methods if not callable(getattr(part, method, None))]
+    if missing:
+        raise UnknownPart(f"The {kind} {name!r} lacks {', '.join(missing)}; see pjpdaf.interfaces.")
+    return part
+
+
+def _factory(kind: str, group: str, name: str) -> Factory:
+    for point in entry_points(group=group):
+        if point.name == name:
+            try:
+                return _callable(kind, name, point.load())
+            except (ImportError, AttributeError) as fault:
+                raise UnknownPart(f"The {kind} {name!r} cannot be loaded: {fault}.") from fault
+    module, colon, factory = name.partition(":")
+    if not colon:
+        raise UnknownPart(
+            f"No {kind} {name!r}.{did_you_mean(name, names(group))} "
+            "A factory of your own is written module:factory."
+        )
+    try:
+        found = importlib.import_module(module)
+    except (ImportError, ValueError) as fault:
+        raise UnknownPart(f"The {kind} {name!r} cannot be imported: {fault}.") from fault
+    if not hasattr(found, factory):
+        public = [word for word in vars(found) if not word.startswith("_")]
+        raise UnknownPart(f"No {factory!r} in {module!r}.{did_you_mean(factory, public)}")
+    return _callable(kind, name, getattr(found, factory))
+
+
+def _callable(kind: str, name: str, found: object) -> Factory:
+    if not callable(found):
+        raise UnknownPart(f"The {kind} {name!r} is no function of the cameras.")
+    return cast(Factory, found)

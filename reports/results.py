@@ -1,0 +1,333 @@
+"""A saved run: Parquet tables and run.json, written whole or not at all, checked when read."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import os
+import re
+import shutil
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from pjpdaf.errors import BenchError
+from pjpdaf.targets import TARGETS
+from reports.events import KINDS
+from reports.provenance import provenance
+from reports.records import Episode, EpisodeFailure
+from reports.rows import EPISODES, EVENTS, FRAMES, EpisodeRows, rows_of
+
+SCHEMA_VERSION = 1
+KIND = "pjpdaf-bench run"
+TABLES = {"frames": FRAMES, "episodes": EPISODES, "events": EVENTS}
+ROW_GROUP = 65536
+
+
+@dataclass(frozen=True)
+class RunInfo:
+    """What was asked for: everything in run.json that the episodes do not say themselves.
+
+    parameters: of detector and tracker, as plain values, all of them; overrides: those changed
+    from the preset. complete: every episode that was asked for is here.
+    """
+
+    name: str
+    preset: str = ""
+    detector: str = ""
+    tracker: str = ""
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    overrides: Mapping[str, Any] = field(default_factory=dict)
+    renderer: str = ""
+    argv: tuple[str, ...] = ()
+    complete: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class SavedRun:
+    """A run read back. meta: run.json; frames, episodes, events: its tables (`reports.rows`)."""
+
+    folder: Path
+    meta: Mapping[str, Any]
+    frames: pd.DataFrame
+    episodes: pd.DataFrame
+    events: pd.DataFrame
+
+    @property
+    def name(self) -> str:
+        """The run's name."""
+        return str(self.meta["name"])
+
+
+def save(
+    folder: Path,
+    played: Iterable[Episode | EpisodeFailure | EpisodeRows],
+    info: RunInfo,
+    *,
+    force: bool = False,
+) -> Path:
+    """Write a run into `folder` and return it.
+
+    `played` may come in any order: frames, episodes and events.parquet have the same bytes for the
+    same episodes. An existing folder must be empty, or with `force` a run, which is replaced.
+    Raises BenchError where the folder is taken, cannot be written, or an episode comes twice.
+    """
+    folder = Path(os.path.abspath(folder))  # noqa: PTH100 - keeps a link that is the folder's parent
+    check_free(folder, force=force)
+    rows = [one if isinstance(one, EpisodeRows) else rows_of(one) for one in played]
+    rows.sort(key=lambda r: (r.scenario, r.seed))
+    for a, b in itertools.pairwise(rows):
+        if (a.scenario, a.seed) == (b.scenario, b.seed):
+            raise BenchError(
+                f"Scenario {a.scenario!r} seed {a.seed} was given twice; a run has it once."
+            )
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        part = Path(tempfile.mkdtemp(prefix=f".{folder.name}.part-", dir=folder.parent))
+        try:
+            _write(part, rows, info)
+            _publish(part, folder)
+        finally:
+            shutil.rmtree(part, ignore_errors=True)
+    except OSError as error:
+        raise BenchError(f"{folder}: cannot write the run: {error.strerror or error}.") from error
+    return folder
+
+
+def check_free(folder: Path, *, force: bool = False) -> None:
+    """Raise BenchError unless a run can be saved into `folder`; call it before hours of work."""
+    try:
+        if not folder.exists():
+            parent = next(p for p in [*folder.absolute().parents] if p.exists())
+            if not (parent.is_dir() and os.access(parent, os.W_OK | os.X_OK)):
+                raise BenchError(f"{folder}: cannot write the run: {parent} is not writable.")
+            return
+        if not folder.is_dir():
+            raise BenchError(f"{folder}: is a file; give a new folder for the run.")
+        if not os.access(folder.absolute().parent, os.W_OK | os.X_OK):
+            raise BenchError(f"{folder}: cannot write the run: {folder.parent} is not writable.")
+        if not any(folder.iterdir()):
+            return
+        if not force:
+            raise BenchError(f"{folder}: exists and is not empty; give another folder or --force.")
+        if not (folder / "run.json").is_file():
+            raise BenchError(f"{folder}: is not a saved run, so --force does not replace it.")
+    except OSError as error:
+        raise BenchError(f"{folder}: cannot write the run: {error.strerror or error}.") from error
+
+
+def load(folder: Path) -> SavedRun:
+    """Read a saved run.
+
+    Raises BenchError naming the file: missing, damaged (checksum), or of another schema version.
+    """
+    meta = _load_meta(folder)
+    for name, entry in meta["files"].items():
+        _check_file(folder, name, entry)
+    tables = {name: _load_table(folder / f"{name}.parquet", TABLES[name]) for name in TABLES}
+    return SavedRun(folder, meta, **tables)
+
+
+def _write(part: Path, rows: Sequence[EpisodeRows], info: RunInfo) -> None:
+    for name, table in tables_of(rows).items():
+        write_table(part / f"{name}.parquet", table)
+    pictures = _write_pictures(part, rows)
+    files = {
+        path.relative_to(part).as_posix(): {
+            "sha256": _sha256(path),
+            "bytes": path.stat().st_size,
+        }
+        for path in sorted(part.rglob("*"))
+        if path.is_file()
+    }
+    meta = {
+        "kind": KIND,
+        "schema_version": SCHEMA_VERSION,
+        "name": info.name,
+        "complete": info.complete,
+        "preset": info.preset,
+        "detector": info.detector,
+        "tracker": info.tracker,
+        "parameters": dict(info.parameters),
+        "overrides": dict(info.overrides),
+        "scenarios": _scenarios(rows),
+        "provenance": provenance(info.argv, info.renderer),
+        "pictures": pictures,
+        "timing": [
+            {
+                "scenario": r.scenario,
+                "seed": r.seed,
+                "frames": r.frame_count,
+                "stage_s": dict(r.stage_s),
+            }
+            for r in rows
+            if not r.failure
+        ],
+        "files": files,
+    }
+    text = json.dumps(meta, indent=1, ensure_ascii=False, default=str) + "\n"
+    # run.json last: a folder without it is no run.
+    (part / "run.json").write_text(text, encoding="utf-8")
+
+
+def tables_of(rows: Sequence[EpisodeRows]) -> dict[str, pa.Table]:
+    """The three tables of a run, rows in a fixed order whatever the order of the episodes."""
+    ordered = sorted(rows, key=lambda r: (r.scenario, r.seed))
+    frames = pa.table(
+        {name: [v for r in ordered for v in r.frames[name]] for name in FRAMES.names}, schema=FRAMES
+    )
+    episodes = [row for r in ordered for row in r.episodes]
+    events = [row for r in ordered for row in r.events]
+    return {
+        "frames": frames,
+        "episodes": pa.Table.from_pylist(episodes, schema=EPISODES),
+        "events": pa.Table.from_pylist(events, schema=EVENTS),
+    }
+
+
+def write_table(path: Path, table: pa.Table) -> None:
+    """Parquet with every option fixed, so that equal tables are equal files."""
+    pq.write_table(
+        table,
+        path,
+        version="2.6",
+        data_page_version="1.0",
+        compression="zstd",
+        compression_level=6,
+        use_dictionary=True,
+        write_statistics=True,
+        row_group_size=ROW_GROUP,
+    )
+
+
+def _scenarios(rows: Sequence[EpisodeRows]) -> list[dict[str, Any]]:
+    """Per scenario its seeds, with the digest of each concrete episode and what failed."""
+    found: dict[str, dict[str, Any]] = {}
+    for row in rows:
+        entry = found.setdefault(
+            row.scenario,
+            {
+                "name": row.scenario,
+                "group": row.episodes[0]["group"],
+                "seeds": [],
+                "digests": [],
+                "failures": [],
+            },
+        )
+        entry["seeds"].append(row.seed)
+        entry["digests"].append(row.digest)
+        if row.failure:
+            entry["failures"].append({"seed": row.seed, "reason": row.failure})
+    return list(found.values())
+
+
+def _write_pictures(part: Path, rows: Sequence[EpisodeRows]) -> list[dict[str, Any]]:
+    index = []
+    for number, row in enumerate(rows):
+        for picture in sorted(row.pictures, key=lambda p: p.frame):
+            plain = re.sub(r"[^A-Za-z0-9_-]+", "_", row.scenario)[:60]
+            file = f"pictures/{number:04d}_{plain}_{row.seed}/{picture.frame:05d}.jpg"
+            (part / file).parent.mkdir(parents=True, exist_ok=True)
+            (part / file).write_bytes(picture.jpeg)
+            index.append(
+                {"scenario": row.scenario, "seed": row.seed, "frame": picture.frame, "file": file}
+            )
+    return index
+
+
+def _publish(part: Path, folder: Path) -> None:
+    """Put the finished folder in place; a run that was there is moved aside first, then removed."""
+    part.chmod(0o755)
+    if not folder.exists():
+        part.rename(folder)
+        return
+    old = Path(tempfile.mkdtemp(prefix=f".{folder.name}.old-", dir=folder.parent))
+    try:
+        folder.rename(old / "run")
+        try:
+            part.rename(folder)
+        except OSError:
+            (old / "run").rename(folder)
+            raise
+    finally:
+        shutil.rmtree(old, ignore_errors=True)
+
+
+def _load_meta(folder: Path) -> dict[str, Any]:
+    path = folder / "run.json"
+    if not folder.is_dir():
+        raise BenchError(f"{folder}: no such run.")
+    if not path.is_file():
+        raise BenchError(f"{folder}: is not a saved run: it has no run.json.")
+    try:
+        meta = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise BenchError(f"{path}: is damaged: {_one_line(error)}.") from error
+    if not isinstance(meta, dict) or meta.get("kind") != KIND:
+        raise BenchError(f"{path}: is not the run.json of a saved run.")
+    if meta.get("schema_version") != SCHEMA_VERSION:
+        raise BenchError(
+            f"{path}: schema version {meta.get('schema_version')!r}; "
+            f"this version reads {SCHEMA_VERSION}."
+        )
+    shapes = {"name": str, "files": dict, "scenarios": list, "pictures": list, "timing": list}
+    for name, kind in {**shapes, "provenance": dict, "complete": bool}.items():
+        if not isinstance(meta.get(name), kind):
+            raise BenchError(f"{path}: is damaged: {name!r} is missing or not a {kind.__name__}.")
+    listed = set(meta["files"])
+    for needed in [f"{name}.parquet" for name in TABLES]:
+        if needed not in listed:
+            raise BenchError(f"{path}: is damaged: {needed} is not listed.")
+    for picture in meta["pictures"]:
+        if not isinstance(picture, dict) or picture.get("file") not in listed:
+            raise BenchError(f"{path}: is damaged: a picture is not listed among the files.")
+    return meta
+
+
+def _check_file(folder: Path, name: str, entry: Any) -> None:
+    path = folder / name
+    if Path(name).is_absolute() or ".." in Path(name).parts:
+        raise BenchError(f"{folder / 'run.json'}: lists {name!r}, which is outside the run.")
+    if not path.is_file():
+        raise BenchError(f"{path}: is missing; the run is damaged.")
+    wanted = entry.get("sha256") if isinstance(entry, dict) else None
+    try:
+        found = _sha256(path)
+    except OSError as error:
+        raise BenchError(f"{path}: cannot be read: {error.strerror or error}.") from error
+    if found != wanted:
+        raise BenchError(f"{path}: is damaged: its checksum is not the one in run.json.")
+
+
+def _load_table(path: Path, schema: pa.Schema) -> pd.DataFrame:
+    try:
+        table = pq.read_table(path)
+    except (OSError, pa.ArrowException) as error:
+        raise BenchError(f"{path}: is damaged: {_one_line(error)}.") from error
+    if not table.schema.equals(schema):
+        odd = sorted({*schema.names} ^ {*table.schema.names}) or ["types"]
+        raise BenchError(
+            f"{path}: has other columns than schema {SCHEMA_VERSION}: {', '.join(odd)}."
+        )
+    frame: pd.DataFrame = table.to_pandas()
+    known = {"target": {*TARGETS}, "kind": {*KINDS}}
+    for column, words in known.items():
+        if column in frame and not set(frame[column]) <= words:
+            raise BenchError(f"{path}: column {column!r} has unknown values.")
+    return frame
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split()).rstrip(".")

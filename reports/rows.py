@@ -1,0 +1,287 @@
+"""Rows of a saved run: an episode as plain columns, small enough to pass between processes."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pyarrow as pa
+
+from pjpdaf.arrays import Floats
+from pjpdaf.targets import TARGETS
+from reports.events import count_events, find_events
+from reports.records import STAGES, VIEWS, Episode, EpisodeFailure, Picture
+from reports.score import BANDS_M, EpisodeScore, score
+
+Row = dict[str, object]
+
+_TEXT, _INT, _FLOAT, _BOOL = pa.string(), pa.int64(), pa.float64(), pa.bool_()
+_KEY = [("scenario", _TEXT), ("seed", _INT)]
+_COVARIANCE = ("xx", "xy", "xz", "yy", "yz", "zz")
+
+FRAMES = pa.schema(
+    [
+        *_KEY,
+        ("frame", _INT),
+        ("target", _TEXT),
+        ("time_s", _FLOAT),
+        ("status", _TEXT),
+        ("merged", _BOOL),
+        *[(f"truth_{axis}_m", _FLOAT) for axis in "xyz"],
+        *[(f"surface_{axis}_m", _FLOAT) for axis in "xyz"],
+        ("truth_speed_mps", _FLOAT),
+        *[(f"estimate_{axis}_m", _FLOAT) for axis in "xyz"],
+        *[(f"covariance_{pair}_m2", _FLOAT) for pair in _COVARIANCE],
+        ("error_mm", _FLOAT),
+        ("lateral_mm", _FLOAT),
+        ("depth_mm", _FLOAT),
+        ("surface_mm", _FLOAT),
+        *[(f"error_{view}_px", _FLOAT) for view in VIEWS],
+        ("err_acc_px", _FLOAT),
+        *[(f"visible_{view}", _FLOAT) for view in VIEWS],
+        ("nees", _FLOAT),
+        ("labels", _TEXT),
+    ]
+)
+
+_SUMS = ("error_mm", "lateral_mm", "abs_depth_mm", "surface_mm", "err_acc_px", "nees")
+_COUNTED = ("frames", "covered", *[f"within_{round(b * 1000)}" for b in BANDS_M])
+
+EPISODES = pa.schema(
+    [
+        *_KEY,
+        ("target", _TEXT),
+        ("group", _TEXT),
+        ("digest", _TEXT),
+        ("failure", _TEXT),
+        ("fps", _FLOAT),
+        *[(prefix + name, _INT) for prefix in ("", "merged_") for name in _COUNTED],
+        *[
+            (prefix + part + name, _INT if part == "n_" else _FLOAT)
+            for prefix in ("", "merged_")
+            for name in _SUMS
+            for part in ("n_", "sum_")
+        ],
+        ("ever_swapped", _BOOL),
+        ("ever_captured", _BOOL),
+        ("ever_lost", _BOOL),
+        ("swaps", _INT),
+        ("swapped_frames", _INT),
+        ("captures", _INT),
+        ("losses", _INT),
+        ("lost_frames", _INT),
+        ("recoveries", _INT),
+        ("sum_recovery_s", _FLOAT),
+        ("values_json", _TEXT),
+    ]
+)
+
+EVENTS = pa.schema(
+    [
+        *_KEY,
+        ("kind", _TEXT),
+        ("target", _TEXT),
+        ("other", _TEXT),
+        ("first_frame", _INT),
+        ("last_frame", _INT),
+        ("start_s", _FLOAT),
+        ("duration_s", _FLOAT),
+        ("ended", _BOOL),
+    ]
+)
+
+
+@dataclass(frozen=True, eq=False)
+class EpisodeRows:
+    """What is kept of one episode. frames, events: columns of `FRAMES`, `EVENTS`; episodes: 3 rows.
+
+    stage_s: wall time summed over the frames [s], never part of the tables.
+    """
+
+    scenario: str
+    seed: int
+    digest: str
+    frames: Mapping[str, list[object]]
+    episodes: tuple[Row, ...]
+    events: tuple[Row, ...]
+    pictures: tuple[Picture, ...]
+    stage_s: Mapping[str, float]
+    frame_count: int
+    failure: str = ""
+
+
+def rows_of(played: Episode | EpisodeFailure) -> EpisodeRows:
+    """Score an episode. A failure keeps three rows without frames, so that it is counted."""
+    if isinstance(played, EpisodeFailure):
+        return EpisodeRows(
+            scenario=played.scenario,
+            seed=played.seed,
+            digest=played.digest,
+            frames={name: [] for name in FRAMES.names},
+            episodes=tuple(_failed_row(played, target) for target in TARGETS),
+            events=(),
+            pictures=(),
+            stage_s={},
+            frame_count=0,
+            failure=played.reason or "unknown",
+        )
+    result = score(played)
+    stages = sorted({*STAGES, *(name for o in played.frames for name in o.stage_s)})
+    return EpisodeRows(
+        scenario=played.scenario,
+        seed=played.seed,
+        digest=played.digest,
+        frames=_frame_columns(played, result),
+        episodes=_episode_rows(played, result),
+        events=_event_rows(played),
+        pictures=played.pictures,
+        stage_s={s: sum(o.stage_s.get(s, 0.0) for o in played.frames) for s in stages},
+        frame_count=len(played.frames),
+    )
+
+
+def _frame_columns(episode: Episode, result: EpisodeScore) -> dict[str, list[object]]:
+    """Columns with F * T values, frame by frame, targets in order within a frame."""
+    outcomes = episode.frames
+    F, T = result.error_m.shape
+    columns: dict[str, list[object]] = {
+        "scenario": [episode.scenario] * (F * T),
+        "seed": [episode.seed] * (F * T),
+        "frame": [o.truth.index for o in outcomes for _ in range(T)],
+        "target": list(TARGETS) * F,
+        "time_s": [o.truth.time_s for o in outcomes for _ in range(T)],
+        "status": [status for o in outcomes for status in o.estimates.status],
+        "labels": [";".join(o.truth.events) for o in outcomes for _ in range(T)],
+        "merged": list(result.merged.ravel().tolist()),
+    }
+    speeds = [np.linalg.norm(o.truth.velocities_mps, axis=1) for o in outcomes]
+    numbers: dict[str, Floats] = {
+        "truth_speed_mps": np.stack(speeds),
+        "error_mm": result.error_m * 1e3,
+        "lateral_mm": result.lateral_m * 1e3,
+        "depth_mm": result.depth_m * 1e3,
+        "surface_mm": result.surface_m * 1e3,
+        "err_acc_px": result.err_acc_px,
+        "nees": result.nees,
+    }
+    for a, axis in enumerate("xyz"):
+        numbers[f"truth_{axis}_m"] = np.stack([o.truth.centres_m[:, a] for o in outcomes])
+        numbers[f"surface_{axis}_m"] = np.stack([o.truth.surfaces_m[:, a] for o in outcomes])
+        numbers[f"estimate_{axis}_m"] = np.stack([o.estimates.positions_m[:, a] for o in outcomes])
+    for pair in _COVARIANCE:
+        i, j = "xyz".index(pair[0]), "xyz".index(pair[1])
+        numbers[f"covariance_{pair}_m2"] = np.stack(
+            [o.estimates.covariances_m2[:, i, j] for o in outcomes]
+        )
+    for v, view in enumerate(VIEWS):
+        numbers[f"error_{view}_px"] = result.view_px[:, :, v]
+        numbers[f"visible_{view}"] = result.visible[:, :, v]
+    for name, values in numbers.items():
+        columns[name] = _plain(values)
+    return {name: columns[name] for name in FRAMES.names}
+
+
+def _plain(values: Floats) -> list[object]:
+    """Flat list; one kind of NaN and of zero, so that bytes depend on values alone."""
+    flat = np.where(np.isnan(values), np.nan, values + 0.0).ravel()
+    return list(flat.tolist())
+
+
+def _episode_rows(episode: Episode, result: EpisodeScore) -> tuple[Row, ...]:
+    events = find_events(episode)
+    rows = []
+    for t, target in enumerate(TARGETS):
+        counts = count_events(events, t)
+        row: Row = {
+            "scenario": episode.scenario,
+            "seed": episode.seed,
+            "target": target,
+            "group": episode.group,
+            "digest": episode.digest,
+            "failure": "",
+            "fps": float(episode.fps),
+        }
+        everything = np.ones(len(episode.frames), dtype=bool)
+        for prefix, chosen in (("", everything), ("merged_", result.merged[:, t])):
+            row |= _sums(result, t, chosen, prefix)
+        row |= {
+            "ever_swapped": counts.ever_swapped,
+            "ever_captured": counts.captures > 0,
+            "ever_lost": counts.ever_lost,
+            "swaps": counts.swaps,
+            "swapped_frames": counts.swapped_frames,
+            "captures": counts.captures,
+            "losses": counts.losses,
+            "lost_frames": counts.lost_frames,
+            "recoveries": counts.recoveries,
+            "sum_recovery_s": float(counts.recovery_s),
+            "values_json": _json_line(episode.values),
+        }
+        rows.append(row)
+    return tuple(rows)
+
+
+def _sums(result: EpisodeScore, t: int, chosen: np.ndarray, prefix: str) -> Row:
+    """Counts and sums of a target over the chosen frames (F,) bool; sums over finite values."""
+    row: Row = {
+        f"{prefix}frames": int(chosen.sum()),
+        f"{prefix}covered": int(result.covered[chosen, t].sum()),
+    }
+    for bound in BANDS_M:
+        inside = result.within(bound)[chosen, t]
+        row[f"{prefix}within_{round(bound * 1000)}"] = int(inside.sum())
+    values = {
+        "error_mm": result.error_m * 1e3,
+        "lateral_mm": result.lateral_m * 1e3,
+        "abs_depth_mm": np.abs(result.depth_m) * 1e3,
+        "surface_mm": result.surface_m * 1e3,
+        "err_acc_px": result.err_acc_px,
+        "nees": result.nees,
+    }
+    for name in _SUMS:
+        mine = values[name][chosen, t]
+        mine = mine[np.isfinite(mine)]
+        row[f"{prefix}n_{name}"] = len(mine)
+        row[f"{prefix}sum_{name}"] = math.fsum(mine.tolist())
+    return row
+
+
+def _failed_row(failure: EpisodeFailure, target: str) -> Row:
+    zero = {"int64": 0, "double": 0.0, "string": "", "bool": False}
+    row: Row = {column.name: zero[str(column.type)] for column in EPISODES}
+    row |= {
+        "scenario": failure.scenario,
+        "seed": failure.seed,
+        "target": target,
+        "group": failure.group,
+        "digest": failure.digest,
+        "failure": failure.reason or "unknown",
+        "values_json": "{}",
+    }
+    return row
+
+
+def _event_rows(episode: Episode) -> tuple[Row, ...]:
+    index = [outcome.truth.index for outcome in episode.frames]
+    return tuple(
+        {
+            "scenario": episode.scenario,
+            "seed": episode.seed,
+            "kind": event.kind,
+            "target": TARGETS[event.target],
+            "other": TARGETS[event.other] if event.other >= 0 else "",
+            "first_frame": index[event.first],
+            "last_frame": index[event.last],
+            "start_s": event.start_s,
+            "duration_s": event.duration_s,
+            "ended": event.ended,
+        }
+        for event in find_events(episode)
+    )
+
+
+def _json_line(values: Mapping[str, float | str]) -> str:
+    return json.dumps(dict(values), sort_keys=True, ensure_ascii=False, separators=(",", ":"))

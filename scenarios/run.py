@@ -1,0 +1,267 @@
+"""The verb `run`: plan episodes, play them, save the run, print the table."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+
+from pjpdaf.errors import BenchError, InfrastructureError
+from pjpdaf.parameters import PRESETS, find_preset, override
+from pjpdaf.registry import make_detector, make_tracker
+from reports.page import write_page
+from reports.results import RunInfo, check_free, load, save
+from reports.rows import EpisodeRows
+from reports.tables import rich_table, summarise
+from scenarios.catalogue import resolve, scenarios_of
+from scenarios.execute import Played, play_all
+from scenarios.play import Job, System
+from scenarios.spec import SETTINGS, Scenario, Suite, nearest, perform
+from sim.contact import Unposable
+from sim.gestures import Value
+from sim.rig import stereo_rig
+
+MAX_SEEDS = 100_000
+SCENARIO_SEEDS = 10  # of a scenario that is named alone
+
+
+@dataclass(frozen=True)
+class RunRequest:
+    """What the command line asked for; None = the default."""
+
+    targets: tuple[str, ...]
+    seeds: int | None
+    preset: str
+    detector: str
+    tracker: str
+    settings: tuple[str, ...]
+    jobs: int | None
+    out: Path | None
+    argv: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """KEY=VALUE pairs by what they change."""
+
+    scenario: dict[str, str]
+    detector: dict[str, str]
+    tracker: dict[str, str]
+
+
+def worker_count(asked: int | None) -> int:
+    """How many workers to start. Raises BenchError outside 1 .. max(32, 4 a core)."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    cores = cores or 1
+    most = max(32, 4 * cores)
+    if asked is None:
+        return cores
+    if not 1 <= asked <= most:
+        raise BenchError(
+            f"--jobs must be between 1 and {most}, got {asked}; this machine has {cores} cores"
+        )
+    return asked
+
+
+def read_settings(pairs: Sequence[str]) -> Settings:
+    """`--set` arguments by their prefix. Raises BenchError for one without '=' or given twice."""
+    settings = Settings({}, {}, {})
+    for pair in pairs:
+        key, equals, value = pair.partition("=")
+        if not equals or not key:
+            raise BenchError(f"--set {pair}: must be KEY=VALUE, e.g. noise_sd=5 or tracker.gate=4")
+        part, dot, name = key.partition(".")
+        home = {"detector": settings.detector, "tracker": settings.tracker}.get(part if dot else "")
+        home, name = (settings.scenario, key) if home is None else (home, name)
+        if name in home:
+            raise BenchError(f"--set {key}: given twice")
+        home[name] = value
+    return settings
+
+
+@dataclass(frozen=True)
+class Part:
+    """One scenario of a run: what a suite changes of it, and how many seeds it plays."""
+
+    scenario: Scenario
+    overrides: Mapping[str, Value]
+    seeds: int
+
+    @property
+    def takes(self) -> frozenset[str]:
+        """What `--set` can change."""
+        return frozenset((*self.scenario.parameters, *SETTINGS))
+
+
+def _parts(name: str) -> list[Part]:
+    found = resolve(name)
+    if isinstance(found, Suite):
+        return [
+            Part(
+                scenario,
+                entry.overrides | ({} if entry.frames is None else {"frames": entry.frames}),
+                entry.seeds or found.seeds,
+            )
+            for entry, scenario in scenarios_of(found)
+        ]
+    return [Part(found, {}, SCENARIO_SEEDS)]
+
+
+def plan(request: RunRequest) -> list[Job]:
+    """All episodes of a run, in their order; everything that can be wrong is found here.
+
+    Raises BenchError for an unknown scenario, key or part, a value out of range, a scenario twice.
+    """
+    if request.seeds is not None and not 1 <= request.seeds <= MAX_SEEDS:
+        raise BenchError(f"--seeds must be between 1 and {MAX_SEEDS}, got {request.seeds}")
+    settings = read_settings(request.settings)
+    parts = [part for name in request.targets for part in _parts(name)]
+    names = [part.scenario.name for part in parts]
+    for name in names:
+        if names.count(name) > 1:
+            raise BenchError(f"{name}: asked for twice; a run plays a scenario once")
+    known = {key for part in parts for key in part.takes}
+    for key in settings.scenario:
+        if key not in known:
+            hint = nearest(key, known)
+            raise BenchError(f"--set {key}: no such parameter in these scenarios{hint}")
+    system = System(request.detector, request.tracker, settings.detector, settings.tracker)
+    jobs = []
+    for part in parts:
+        asked = {key: value for key, value in settings.scenario.items() if key in part.takes}
+        overrides = {**part.overrides, **asked}
+        for seed in range(request.seeds if request.seeds is not None else part.seeds):
+            jobs.append(Job(part.scenario, seed, overrides, system, keep_pictures=seed == 0))
+    for job in {job.scenario.name: job for job in jobs}.values():
+        check(job)
+    return jobs
+
+
+def check(job: Job) -> None:
+    """Raise BenchError where scenario, values, detector or tracker of a job do not fit together."""
+    try:
+        performance = perform(job.scenario, job.seed, job.overrides)
+    except Unposable:
+        return  # of this seed alone; it becomes a failed episode
+    cameras = stereo_rig(performance.scene.rig).cameras
+    make_detector(job.system.detector, cameras, job.system.detector_settings)
+    make_tracker(job.system.tracker, cameras, job.system.tracker_settings)
+
+
+def parameters_of(request: RunRequest) -> dict[str, object]:
+    """All parameter values in force, for run.json; of a plug-in only its name is known."""
+    settings = read_settings(request.settings)
+    parameters: dict[str, object] = {}
+    if request.detector in PRESETS:
+        changed = override(find_preset(request.detector), settings.detector)
+        parameters["detector"] = asdict(changed.detector)
+    if request.tracker in PRESETS:
+        changed = override(find_preset(request.tracker), settings.tracker)
+        parameters["tracker"] = asdict(changed.tracker)
+    return parameters
+
+
+def default_folder(targets: Sequence[str]) -> Path:
+    """runs/NAME-DATE-TIME, a number behind it where two runs start in the same second."""
+    name = "+".join(Path(target).stem for target in targets)[:60]
+    base = Path("runs") / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
+    folder, number = base, 2
+    while folder.exists():
+        folder = base.with_name(f"{base.name}-{number}")
+        number += 1
+    return folder
+
+
+def run_suite(request: RunRequest) -> None:
+    """Play, score, save and print. Raises BenchError; SystemExit(130) after Ctrl-C."""
+    workers = worker_count(request.jobs)
+    jobs = plan(request)
+    folder = request.out or default_folder(request.targets)
+    check_free(folder)
+    console = Console(stderr=True)
+    started = time.perf_counter()
+    played = _play_with_progress(jobs, workers, console)
+    if not played.rows:
+        raise BenchError("interrupted before any episode was finished; nothing saved")
+    wall_s = time.perf_counter() - started
+    info = RunInfo(
+        name=folder.name,
+        preset=request.preset,
+        detector=request.detector,
+        tracker=request.tracker,
+        parameters=parameters_of(request),
+        overrides=dict(pair.split("=", 1) for pair in request.settings),
+        renderer=played.renderer,
+        argv=request.argv,
+        complete=not played.interrupted,
+    )
+    save(folder, played.rows, info)
+    saved = load(folder)
+    page = write_page([saved], folder / "report.html")
+    out = Console()
+    out.print(rich_table(summarise(saved)))
+    frames = sum(row.frame_count for row in played.rows)
+    out.print(
+        f"{len(played.rows)} episodes, {frames} stereo frames in {wall_s:.0f} s "
+        f"({frames / wall_s:.1f} a second, {workers} workers)",
+        highlight=False,
+    )
+    out.print(f"report: {page}", highlight=False, soft_wrap=True)
+    _end(played, jobs)
+
+
+def _end(played: Played, jobs: Sequence[Job]) -> None:
+    failed = [row for row in played.rows if row.failure]
+    if played.interrupted:
+        raise Interrupted(
+            f"interrupted: {len(played.rows)} of {len(jobs)} episodes are in the saved run"
+        )
+    if failed:
+        first = failed[0]
+        raise InfrastructureError(
+            f"{len(failed)} of {len(jobs)} episodes gave no result, the first: "
+            f"{first.scenario} seed {first.seed}: {first.failure}"
+        )
+
+
+class Interrupted(BenchError):
+    """Ctrl-C; what was finished is saved."""
+
+    exit_code = 130
+
+
+def _play_with_progress(jobs: Sequence[Job], workers: int, console: Console) -> Played:
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task("starting", total=len(jobs))
+
+        def on_done(row: EpisodeRows) -> None:
+            label = f"{row.scenario} seed {row.seed}"
+            progress.update(task, advance=1, description=label)
+
+        return play_all(jobs, workers, on_done)
+
+
+def remake_report(run_folder: Path, out: Path | None) -> Path:
+    """The page of a saved run again. Raises BenchError."""
+    saved = load(run_folder)
+    return write_page([saved], out or run_folder / "report.html")
