@@ -194,7 +194,7 @@ class PJPDAF:
             out.beta_best[:, n] = beta[1:].max(axis=0)
             out.beta_0[:, n] = beta[0]
             out.empty[:, n] = ~gated.any(axis=0)
-            out.merged[:, n] = OCCLUSIONS[p.occlusion](gated)
+            out.merged[:, n] = OCCLUSIONS[p.occlusion](gated, beta[1:])
         return Prior(mean, P, H.swapaxes(0, 1), self._R), out
 
     def _ahead(self, state: TrackState, dt_s: float) -> tuple[Floats, Floats]:
@@ -241,25 +241,32 @@ def _estimates(mean: Floats, P: Floats, status: tuple[str, ...]) -> Estimates:
     return Estimates(mean[:, :3], P[:, :3, :3], mean[:, 3:], status)
 
 
-def _shared_measurement(gated: Bools) -> Bools:
+# A measurement that a target holds with this weight is no merged blob: else a lost target, whose gate
+# covers everything, would keep all others from their measurements.
+CERTAIN = 0.9
+
+
+def _shared_measurement(gated: Bools, beta: Floats) -> Bools:
     """The rule as printed: a measurement lies in two targets' gates; (m, T) -> (T,)."""
     return np.asarray(gated[gated.sum(axis=1) > 1].any(axis=0))
 
 
-def _fewer_measurements(gated: Bools) -> Bools:
-    """A cluster of gates that holds fewer measurements than targets; (m, T) -> (T,)."""
+def _fewer_measurements(gated: Bools, beta: Floats) -> Bools:
+    """A cluster of gates with fewer measurements than targets, certain pairs apart; -> (T,)."""
     merged = np.zeros(gated.shape[1], dtype=bool)
     if gated.sum(axis=1).max() > 1:
-        for targets, measurements in clusters(gated):
+        certain = beta >= CERTAIN
+        doubtful = gated & ~certain.any(axis=0) & ~certain.any(axis=1, keepdims=True)
+        for targets, measurements in clusters(doubtful):
             merged[targets] = 0 < len(measurements) < len(targets)
     return merged
 
 
-def _never(gated: Bools) -> Bools:
+def _never(gated: Bools, beta: Floats) -> Bools:
     return np.zeros(gated.shape[1], dtype=bool)
 
 
-OCCLUSIONS: dict[str, Callable[[Bools], Bools]] = {
+OCCLUSIONS: dict[str, Callable[[Bools, Floats], Bools]] = {
     "shared_measurement": _shared_measurement,
     "fewer_measurements": _fewer_measurements,
     "none": _never,

@@ -19,9 +19,8 @@ class UnknownName(BenchError):  # noqa: N818
 
     def __init__(self, what: str, name: str, known: Collection[str]) -> None:
         listed = ", ".join(sorted(known))
-        super().__init__(
-            f"no {what} {name[:200]!r}{nearest(name, known)}. Known: {listed}; or give a .yaml file"
-        )
+        hint = nearest(name, known) or ";"
+        super().__init__(f"no {what} {name[:200]!r}{hint} known: {listed}; or give a .yaml file")
 
 
 def _names(folder: str) -> tuple[str, ...]:

@@ -10,7 +10,15 @@ from dataclasses import dataclass
 
 from pjpdaf.errors import BenchError
 
-PACKAGES = ("mujoco", "mujoco-core", "numpy", "opencv-python-headless", "scipy", "pandas", "pyarrow")
+PACKAGES = (
+    "mujoco",
+    "mujoco-core",
+    "numpy",
+    "opencv-python-headless",
+    "scipy",
+    "pandas",
+    "pyarrow",
+)
 
 
 @dataclass(frozen=True)

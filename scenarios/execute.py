@@ -149,9 +149,7 @@ def _outcome(
 
 def _failure(job: Job, reason: str) -> EpisodeRows:
     scenario = job.scenario
-    failure = EpisodeFailure(
-        scenario.name, job.seed, reason, scenario.group, digest(scenario)
-    )
+    failure = EpisodeFailure(scenario.name, job.seed, reason, scenario.group, digest(scenario))
     return rows_of(failure)
 
 

@@ -255,7 +255,7 @@ def _fields_near(path: Path_, data: Any, record: type[BaseModel]) -> list[str]:
 def _place_and_words(
     error: Mapping[str, Any], data: Any, positions: Positions, record: type[BaseModel]
 ) -> tuple[tuple[int, int], str, bool]:
-    """Where a pydantic error is, in words, and whether something is missing rather than wrong."""
+    """Where a pydantic error is, in words, and whether other faults come first."""
     kind, context = str(error["type"]), error.get("ctx", {})
     location = tuple(error["loc"])
     if "at" in context:
@@ -278,7 +278,8 @@ def _place_and_words(
     at = path
     while at not in positions:
         at = at[:-1]
-    return positions[at], f"{_dotted(path)}{message}", missing
+    # Entries that are wrong themselves do not count for pydantic: too few may be their echo.
+    return positions[at], f"{_dotted(path)}{message}", missing or kind == "too_short"
 
 
 def _words(kind: str, context: Mapping[str, Any], value: Any, error: Mapping[str, Any]) -> str:

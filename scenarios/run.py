@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -187,6 +188,9 @@ def default_folder(targets: Sequence[str]) -> Path:
 def run_suite(request: RunRequest) -> None:
     """Play, score, save and print. Raises BenchError; SystemExit(130) after Ctrl-C."""
     workers = worker_count(request.jobs)
+    if ":" in request.detector + request.tracker and str(Path.cwd()) not in sys.path:
+        # module:factory may lie where the user stands; last, so that it hides no library.
+        sys.path.append(str(Path.cwd()))
     jobs = plan(request)
     folder = request.out or default_folder(request.targets)
     check_free(folder)

@@ -331,7 +331,7 @@ def _standard() -> dict[str, Numeric | Choice]:
         "rest_x": uniform("m", (0.24, 0.45), 0.32, 0.36, "resting palms ahead of the shoulders"),
         "rest_y": uniform("m", (0.12, 0.35), 0.18, 0.23, "resting palms from the mid-plane"),
         "hand_inward": uniform("rad", (-0.2, 0.9), 0.25, 0.50, "resting fingers, turn inwards"),
-        "hand_curl": uniform("1", (0.0, 0.5), 0.08, 0.18, "curl of relaxed fingers"),
+        "hand_curl": uniform("1", (0.0, 0.5), 0.06, 0.14, "curl of relaxed fingers"),
         "elbow_swivel": normal("rad", 0.26, 0.79, 0.52, 0.09, "elbow outward of straight down"),
         "head_sway": uniform("m", (0.0, 0.02), 0.003, 0.010, "amplitude of the head's sway"),
         "tremor": uniform("m", (0.0, 0.005), 0.001, 0.003, "amplitude of a free hand's tremor"),
@@ -423,8 +423,8 @@ def concrete(
     for name in overrides:
         if name not in known:
             listed = ", ".join(sorted(known))
-            what = f"{name[:60]!r}{nearest(name, known)}"
-            raise BenchError(f"{scenario.name} has no parameter {what}. Known: {listed}")
+            what = f"{name[:60]!r}{nearest(name, known) or ';'}"
+            raise BenchError(f"{scenario.name} has no parameter {what} known: {listed}")
     values: dict[str, Value] = {}
     for name, parameter in scenario.parameters.items():
         if name in overrides:
@@ -449,6 +449,8 @@ def _setting(scenario: Scenario, overrides: Mapping[str, Value], name: str) -> f
     least, most = {"fps": (1, 30), "frames": (1, MAX_FRAMES), "background_frames": (0, 500)}[name]
     try:
         number = float(overrides[name])
+        if not math.isfinite(number):
+            raise ValueError
     except ValueError:
         raise BenchError(
             f"{name}: must be a number from {least} to {most}, got {str(overrides[name])[:60]!r}"

@@ -16,7 +16,7 @@ from pjpdaf.arrays import Floats, readonly
 from pjpdaf.errors import BenchError
 from sim.anatomy import Anatomy
 from sim.hand import Finger, fingers, joint_angles
-from sim.kinematics import OUTWARD, Arm, about_y
+from sim.kinematics import OUTWARD, Arm, about_y, norm
 
 ALLOWED_PENETRATION_M = 0.005
 _GOOD_ENOUGH_M = 0.001  # of penetration left: the projection stops here
@@ -176,8 +176,8 @@ def torso_ellipsoids(
     )
 
 
-def capsule_gap(a: Capsules, b: Capsules) -> tuple[float, Floats]:
-    """Deepest overlap of any bar of a with any of b [m], <= 0 is clear, and b -> a (3,), unit.
+def _overlaps(a: Capsules, b: Capsules) -> tuple[Floats, Floats, Floats]:
+    """Overlap (n, m) of each bar of a with each of b, their axes' distance, and b -> a (n, m, 3).
 
     All pairs at once; closest points of segments: Ericson, Real-Time Collision Detection 5.1.9.
     """
@@ -188,16 +188,38 @@ def capsule_gap(a: Capsules, b: Capsules) -> tuple[float, Floats]:
     F, C, B = (d2 * r).sum(-1), (d1 * r).sum(-1), (d1 * d2).sum(-1)
     denominator = np.maximum(A * E - B * B, 1e-12)
     s = np.clip((B * F - C * E) / denominator, 0.0, 1.0)
-    t = (B * s + F) / E
-    clamped = np.clip(t, 0.0, 1.0)
-    s = np.clip((B * clamped - C) / A, 0.0, 1.0)
-    between = r + s[..., None] * d1 - clamped[..., None] * d2
+    t = np.clip((B * s + F) / E, 0.0, 1.0)
+    s = np.clip((B * t - C) / A, 0.0, 1.0)
+    between = r + s[..., None] * d1 - t[..., None] * d2
     distance = np.sqrt((between * between).sum(-1))
-    overlap = a.radii_m[:, None] + b.radii_m[None] - distance
+    return a.radii_m[:, None] + b.radii_m[None] - distance, distance, between
+
+
+def capsule_gap(a: Capsules, b: Capsules) -> tuple[float, Floats]:
+    """Deepest overlap of any bar of a with any of b [m], <= 0 is clear, and b -> a (3,), unit."""
+    overlap, distance, between = _overlaps(a, b)
     i, j = np.unravel_index(int(overlap.argmax()), overlap.shape)
     gap = float(distance[i, j])
     way: Floats = between[i, j] / gap if gap > 1e-9 else np.array([1.0, 0.0, 0.0])
     return float(overlap[i, j]), way
+
+
+def _way_apart(a: Capsules, b: Capsules, steady: Floats, trust: float) -> tuple[float, Floats]:
+    """Deepest overlap [m] and a way out for a (3,), unit.
+
+    The mean of all overlapping pairs' ways, each as heavy as it is deep, so that it changes
+    smoothly with the pose; `steady` (3,), a unit vector, gets the weight `trust` of 0..1 beside it, because
+    fingers between fingers push both ways.
+    """
+    overlap, distance, between = _overlaps(a, b)
+    deepest = float(overlap.max())
+    if deepest <= 0.0:
+        return deepest, steady
+    weight = np.where(overlap > 0.0, overlap / np.maximum(distance, 1e-6), 0.0)
+    mean = (weight[..., None] * between).sum(axis=(0, 1)) / np.maximum(overlap, 0.0).sum()
+    way = (1.0 - trust) * mean + trust * steady
+    length = norm(way)
+    return deepest, way / length if length > 1e-6 else steady
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,7 +292,7 @@ def separate(
     shapes = tuple(hand_capsules(anatomy, side, curls[side]) for side in (0, 1))
     targets = [palms_m[0], palms_m[1]]
     arms = (solve(0, targets[0]), solve(1, targets[1]))
-    for _ in range(_ROUNDS):
+    for number in range(_ROUNDS):
         bars = tuple(shapes[s].placed(arms[s].palm_m, arms[s].hand) for s in (0, 1))
         moved = [False, False]
         for side in (0, 1):
@@ -287,8 +309,13 @@ def separate(
             if moved[side]:
                 targets[side] = arms[side].palm_m + shift
         if _near(arms, 0.75):
-            depth, way = capsule_gap(
-                _with_forearm(anatomy, arms[0], bars[0]), _with_forearm(anatomy, arms[1], bars[1])
+            # Without a centre line to part along, each hand goes to its own side.
+            apart = arms[0].palm_m - arms[1].palm_m + np.array([0.0, 0.01 * OUTWARD[0], 0.0])
+            depth, way = _way_apart(
+                _with_forearm(anatomy, arms[0], bars[0]),
+                _with_forearm(anatomy, arms[1], bars[1]),
+                apart / max(norm(apart), 1e-9),
+                min(0.25 + 0.08 * number, 1.0),
             )
             if depth > _GOOD_ENOUGH_M:
                 for side, sign in ((0, 0.55), (1, -0.55)):

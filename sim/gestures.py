@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pjpdaf.arrays import Floats
+from sim.contact import capsule_gap, hand_capsules
 from sim.kinematics import OUTWARD, about_y, about_z, norm
 from sim.motion import Cue, Hold, Plan, object_at_rest, posture
 from sim.planner import HandPlanner, curled, grasp, raised, resting
@@ -366,14 +367,37 @@ def _merge_cue(stage: Stage, stroke: Stroke, name: str) -> Cue:
     return Cue(name, first, last)
 
 
+def _touching(stage: Stage, a: _Approach) -> tuple[Floats, Floats]:
+    """Palms (right, left), each (3,) [m], where the hands just touch: laid over each other.
+
+    They are touch_gap apart across; along the depth, as little as leaves them out of each other.
+    """
+    centre = 0.5 * (a.crossed[0].position_m + a.crossed[1].position_m)
+    across = 0.5 * stage.number("touch_gap")
+    depth = a.apart[0].position_m - a.apart[1].position_m
+    depth = np.array([depth[0], 0.0, depth[2]]) / math.hypot(depth[0], depth[2])
+
+    def places(gap_m: float) -> tuple[Floats, Floats]:
+        right = centre + 0.5 * gap_m * depth + np.array([0.0, OUTWARD[0] * across, 0.0])
+        left = centre - 0.5 * gap_m * depth + np.array([0.0, OUTWARD[1] * across, 0.0])
+        return right, left
+
+    shapes = [hand_capsules(stage.scene.anatomy, s, a.apart[s].curls) for s in (0, 1)]
+    low, high = 0.0, 0.25
+    for _ in range(20):
+        middle = 0.5 * (low + high)
+        bars = [shapes[s].placed(places(middle)[s], a.apart[s].rotation) for s in (0, 1)]
+        low, high = (low, middle) if capsule_gap(bars[0], bars[1])[0] <= 0.0 else (middle, high)
+    return places(high)
+
+
 def _bounce(stage: Stage) -> Plan:
     """The same approach, but where the hands would merge they brake, touch and return."""
     a = _approach(stage)
     speed = stage.number("speed")
     meeting = _meeting_share(stage)
     s = _share_time(meeting)
-    x, height = stage.number("centre_x"), stage.number("height")
-    cues = []
+    touching = _touching(stage, a)
     for side in (0, 1):
         hand = a.hands[side]
         start, goal, bow = a.apart[side].position_m, a.crossed[side].position_m, a.bows_m[side]
@@ -384,10 +408,7 @@ def _bounce(stage: Stage) -> Plan:
         velocity = rate * along
         acceleration = second * along - 8.0 * rate * rate * bow
         broken_s = stroke.start_s + s * T
-        # Touching: fingers laid over each other, 3 cm between the palms along the depth.
-        ahead = math.copysign(0.5, a.apart[side].position_m[0] - x)
-        top = stage.scene.room.table_height_m + height
-        touch_m = np.array([x + 0.03 * ahead, OUTWARD[side] * 0.5 * stage.number("touch_gap"), top])
+        touch_m = touching[side]
         touch = replace(a.apart[side], position_m=touch_m)
         # Twice the way over the speed: a brake that neither overshoots nor creeps.
         way = norm(touch_m - stroke.at(broken_s, a.apart[side]).position_m)
@@ -404,9 +425,9 @@ def _bounce(stage: Stage) -> Plan:
         hand.moves.append(brake)
         hand.clock_s = brake.end_s
     ended = max(hand.clock_s for hand in a.hands)
+    cues = [Cue("bounce", a.hands[0].moves[-1].start_s, ended)]
     for side in (0, 1):
         hand = a.hands[side]
-        cues.append(Cue("bounce", hand.moves[-1].start_s, ended)) if side == 0 else None
         hand.until(ended + stage.number("touch"))
         hand.move(a.apart[side], speed)
     touched = a.hands[0].moves[-1].start_s

@@ -95,10 +95,10 @@ def hand_rotation(side: int, inward_rad: float, down_rad: float, thumb_up_rad: f
 def bone_frame(start_m: Floats, end_m: Floats) -> Floats:
     """Rotation (3, 3) with +x from start to end and z as far up as x lets it."""
     x = (end_m - start_m) / norm(end_m - start_m)
-    upward = (
-        np.array([0.0, 0.0, 1.0]) if abs(x[2]) < 0.99 else np.array([-math.copysign(1, x[2]), 0, 0])
-    )
-    z = upward - (upward @ x) * x
+    z = np.array([0.0, 0.0, 1.0]) - x[2] * x
+    if norm(z) < 1e-6:
+        z = np.array([-math.copysign(1.0, float(x[2])), 0.0, 0.0])
+        z = z - (z @ x) * x
     z = z / norm(z)
     return np.column_stack([x, cross(z, x), z])
 
@@ -161,10 +161,13 @@ def elbow_circle(
     axis = offset / d
     along = (d * d + upper_m * upper_m - forearm_m * forearm_m) / (2.0 * d)
     radius = math.sqrt(max(upper_m * upper_m - along * along, 0.0))
-    # Straight down, but backwards when the arm itself hangs down: "down" has no meaning there.
-    steep = max(0.0, -float(axis[2]) - 0.8) / 0.2
-    down = np.array([-steep, 0.0, -1.0 + 0.7 * steep])
+    # Straight down; but backwards when the arm hangs down, forwards when it is raised, where "down"
+    # along the arm has no meaning.
+    steep = max(0.0, abs(float(axis[2])) - 0.8) / 0.2
+    down = np.array([math.copysign(steep, float(axis[2])), 0.0, -1.0 + 0.7 * steep])
     down = down - (down @ axis) * axis
+    if norm(down) < 1e-3:
+        down = cross(axis, np.array([0.0, 1.0, 0.0]))
     down = down / norm(down)
     outward = cross(axis, down)
     if float(outward[1]) * OUTWARD[side] < 0:

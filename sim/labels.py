@@ -109,15 +109,14 @@ def merged(targets: NDArray[np.int8], boxes_px: Floats) -> NDArray[np.bool_]:
 
 
 def _touch(targets: NDArray[np.int8], a: int, b: int, boxes_px: Floats) -> bool:
-    pad = TOUCH_PX
+    pad = TOUCH_PX + 1  # a gap of TOUCH_PX empty pixels lies between pixels this far apart
     (ax, ay, aw, ah), (bx, by, bw, bh) = boxes_px[a], boxes_px[b]
     left, top = int(max(ax, bx)) - pad, int(max(ay, by)) - pad
     right, bottom = int(min(ax + aw, bx + bw)) + pad, int(min(ay + ah, by + bh)) + pad
     if left >= right or top >= bottom:
         return False
     window = targets[max(top, 0) : bottom, max(left, 0) : right]
-    # A gap of TOUCH_PX empty pixels lies between pixels TOUCH_PX + 1 apart.
-    kernel = np.ones((2 * pad + 3, 2 * pad + 3), np.uint8)
+    kernel = np.ones((2 * pad + 1, 2 * pad + 1), np.uint8)
     near = cv2.dilate((window == a).astype(np.uint8), kernel) > 0
     return bool(np.any(near & (window == b)))
 

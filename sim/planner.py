@@ -73,7 +73,7 @@ def resting(
     scene: SceneSpec, side: int, x_m: float, y_m: float, inward_rad: float, curl: float
 ) -> HandState:
     """A hand flat on the table at (x, |y|), palm down, tips a little lower than the wrist."""
-    rotation = hand_rotation(side, inward_rad, math.radians(7.0), math.radians(6.0))
+    rotation = hand_rotation(side, inward_rad, math.radians(2.0), math.radians(4.0))
     curls = curled(curl, thumb=0.1)
     # One millimetre of air, so that resting is not touching.
     z = scene.room.table_height_m + height_above_table(scene.anatomy, side, rotation, curls) + 1e-3

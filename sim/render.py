@@ -23,9 +23,9 @@ class ViewRender:
 
     colour (h, w, 3) uint8 BGR, supersampled. depth_m (h, w) float32 planar z, geoms (h, w) int32
     geom ids with -1 for nothing, targets (h, w) int8 with -1 for none: all three sampled at the
-    pixel centres in one pass without antialiasing. amodal_px (T,): the targets' skin pixels with all
-    other things removed; its own hair and collar or cuff still hide a target's skin, so that a free
-    head or hand counts as whole.
+    pixel centres in one pass without antialiasing. amodal_px (T,): the targets' skin pixels with
+    all other things removed; its own hair and collar or cuff still hide a target's skin, so that a
+    free head or hand counts as whole.
     """
 
     colour: NDArray[np.uint8] | None

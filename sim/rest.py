@@ -19,7 +19,7 @@ def rest_pose(
 ) -> Pose:
     """Sit upright, palms (right, left) [m, world] at `palms_m` or flat on the table."""
     room = room or RoomSpec()
-    z = room.table_height_m + 0.022
+    z = room.table_height_m + 0.030
     palms = palms_m or ((0.34, -0.20, z), (0.34, 0.20, z))
     shoulder_z = anatomy.mid_shoulder_height_m
     uppers, fores, hands = [], [], []
@@ -28,7 +28,7 @@ def rest_pose(
             [0.0, side * anatomy.shoulder_half_breadth_m, shoulder_z - anatomy.shoulder_drop_m]
         )
         # The hand points forward and inwards, and lies flat.
-        along = _unit(np.array([0.85, -side * 0.40, -0.05]))
+        along = _unit(np.array([0.85, -side * 0.40, 0.0]))
         hand = _frame(along, np.array([0.0, 0.0, 1.0]))
         wrist = np.array(palm) - anatomy.wrist_to_palm_m * along
         elbow = _elbow(shoulder, wrist, anatomy, np.array([-0.25, side * 0.65, -0.7]))

@@ -33,7 +33,7 @@ def ellipse_centre(camera: Camera, centre_w: Floats, radius_m: float) -> Floats:
     return np.asarray(dual[:2, 2] / dual[2, 2])
 
 
-def test_rig() -> StereoRig:
+def turned_rig() -> StereoRig:
     """Two turned cameras with off-centre principal points and fx != fy, 1.2 m before the sphere."""
     width, height = SIZE_PX
     cameras = []
@@ -72,12 +72,13 @@ def check() -> None:
     Raises InfrastructureError where it is more than TOLERANCE_PX from where the cameras say, or
     where there is no OpenGL.
     """
-    offsets = offsets_px(test_rig())
+    offsets = offsets_px(turned_rig())
     worst = float(np.max(np.abs(offsets)))
     if not worst <= TOLERANCE_PX:  # NaN fails as well
         raise InfrastructureError(
             f"the renderer's self-test failed: a sphere is {worst:.2f} px from where the camera "
-            f"says (at most {TOLERANCE_PX}); install the mujoco and Mesa versions of requirements.lock"
+            f"says (at most {TOLERANCE_PX}); "
+            "install the version of mujoco that requirements.lock names"
         )
 
 

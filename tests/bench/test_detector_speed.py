@@ -26,7 +26,11 @@ def picture(seed: int, person: bool) -> np.ndarray:
     scene = np.full((HEIGHT, WIDTH, 3), 150.0)
     scene[300:] = WOOD
     if person:
-        for centre, axes in (((310, 105), (34, 45)), ((150, 331), (17, 26)), ((470, 345), (16, 24))):
+        for centre, axes in (
+            ((310, 105), (34, 45)),
+            ((150, 331), (17, 26)),
+            ((470, 345), (16, 24)),
+        ):
             cv2.ellipse(scene, centre, axes, 0, 0, 360, SKIN, -1)
     noisy = scene + np.random.default_rng(seed).normal(0, 3, scene.shape)
     return np.clip(noisy, 0, 255).round().astype(np.uint8)

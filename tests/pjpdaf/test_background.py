@@ -132,7 +132,9 @@ def test_a_shadow_on_wood_is_not_foreground(light):
     picture = noisy(shaded, rng)
     inside = (slice(70, 110), slice(10, 70))
     with_rule = (foreground_mask(default_test(background), picture)[inside] > 0).mean()
-    without = (foreground_mask(default_test(background, shadow_min=1.0), picture)[inside] > 0).mean()
+    without = (
+        foreground_mask(default_test(background, shadow_min=1.0), picture)[inside] > 0
+    ).mean()
     # 0.55: noise of 3 grey levels takes some pixels below shadow_min = 0.5.
     assert with_rule < (0.01 if light > 0.55 else 0.06)
     assert without > with_rule

@@ -169,7 +169,13 @@ def test_a_hand_by_the_head_keeps_its_pixels():
 
 def random_scene(rng: np.random.Generator) -> tuple[Ellipse, ...]:
     return (
-        (rng.uniform(260, 370), rng.uniform(80, 140), rng.uniform(40, 50), rng.uniform(30, 37), 1.5),
+        (
+            rng.uniform(260, 370),
+            rng.uniform(80, 140),
+            rng.uniform(40, 50),
+            rng.uniform(30, 37),
+            1.5,
+        ),
         *(
             (
                 rng.uniform(low, low + 170),
@@ -199,7 +205,9 @@ def test_one_pixel_in_16_gives_the_same_answer():
 
 
 def test_the_same_pixels_give_the_same_bytes():
-    seen = segments(drawn((280.0, 250.0, 60.0, 30.0, 0.5), (330.0, 290.0, 40.0, 30.0, 0.0)), 1, True)
+    seen = segments(
+        drawn((280.0, 250.0, 60.0, 30.0, 0.5), (330.0, 290.0, 40.0, 30.0, 0.0)), 1, True
+    )
     first = cluster(seen, subsample=16)
     cv2.setRNGSeed(99)
     cv2.kmeans(np.float32(np.random.default_rng(0).random((50, 2))), 3, None, (3, 9, 0), 2, 2)
@@ -274,17 +282,19 @@ def test_undistorted_ellipses_are_those_of_undistorted_pixels(lens):
         seen = segments(drawn(shape), 100, False)
         fit = undistort_moments(camera, moments(seen.points, seen.component, 1))
         # The slow way: every pixel moved, weighted with its new area.
-        ideal = undistort_points(camera, seen.points)
-        right = undistort_points(camera, seen.points + [0.5, 0])
-        left = undistort_points(camera, seen.points - [0.5, 0])
-        down = undistort_points(camera, seen.points + [0, 0.5])
-        up = undistort_points(camera, seen.points - [0, 0.5])
+        at, half_x, half_y = seen.points, np.array([0.5, 0]), np.array([0, 0.5])
+        ideal = undistort_points(camera, at)
+        right = undistort_points(camera, at + half_x)
+        left = undistort_points(camera, at - half_x)
+        down = undistort_points(camera, at + half_y)
+        up = undistort_points(camera, at - half_y)
         u, v = right - left, down - up
         area = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-        unweighted = ideal.mean(axis=0)
-        d = ideal - unweighted
-        np.testing.assert_allclose(fit.centres[0], unweighted, atol=0.05)
-        np.testing.assert_allclose(fit.covariances[0], d.T @ d / len(d), rtol=0.01, atol=1)
+        centre = np.average(ideal, axis=0, weights=area)
+        d = ideal - centre
+        np.testing.assert_allclose(fit.centres[0], centre, atol=0.02)
+        covariance = np.einsum("n,ni,nj", area, d, d) / area.sum()
+        np.testing.assert_allclose(fit.covariances[0], covariance, rtol=0.01, atol=1)
         assert fit.areas[0] == pytest.approx(area.sum(), rel=0.02)
 
 

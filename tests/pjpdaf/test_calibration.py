@@ -139,10 +139,7 @@ def test_files_have_the_samples_keys_and_a_world_that_is_not_the_left_camera_is_
     rig = example_rig()
     S, s = rotation(0.3, 0.1, -0.7), np.array([0.5, 1.0, 2.0])
     moved = StereoRig(
-        *(
-            dataclasses.replace(c, R_cw=c.R_cw @ S, t_cw=c.R_cw @ s + c.t_cw)
-            for c in rig.cameras
-        )
+        *(dataclasses.replace(c, R_cw=c.R_cw @ S, t_cw=c.R_cw @ s + c.t_cw) for c in rig.cameras)
     )
     write_rig(moved, tmp_path)
     storage = cv2.FileStorage(str(tmp_path / "extrinsics.yml"), cv2.FILE_STORAGE_READ)
@@ -216,9 +213,11 @@ FAULTS = [
 def test_a_fault_names_file_and_key_in_one_line(tmp_path, file, key, value, words):
     write_rig(example_rig(), tmp_path)
     path = tmp_path / f"{file}.yml"
-    path.write_text(replaced(path.read_text(), key, value or "0\n").replace(
-        f"\n{key}: 0\n", "\n" if value is None else f"\n{key}: 0\n"
-    ))
+    path.write_text(
+        replaced(path.read_text(), key, value or "0\n").replace(
+            f"\n{key}: 0\n", "\n" if value is None else f"\n{key}: 0\n"
+        )
+    )
     with pytest.raises(BenchError) as fault:
         read_rig(tmp_path)
     message = str(fault.value)
@@ -250,7 +249,7 @@ def test_missing_files(tmp_path):
 
 def test_another_resolution_is_refused(tmp_path):
     write_rig(example_rig(), tmp_path)
-    with pytest.raises(BenchError, match="calibrated at 480x360 px .* pictures are 640x480"):
+    with pytest.raises(BenchError, match=r"calibrated at 480x360 px .* pictures are 640x480"):
         read_rig(tmp_path, size_px=(640, 480))
 
 

@@ -76,6 +76,14 @@ def test_a_swap_is_not_over_when_the_hands_meet(episode_of, tools):
     assert ("swap", RIGHT, LEFT, 10, 29, False) in found
 
 
+def test_a_swap_while_clapping_is_seen(episode_of, tools):
+    # The hands are apart in every other frame only.
+    centres = tools.paths(30, 3.0)
+    centres[1::2, LEFT] = centres[1::2, RIGHT] + [0, 0.05, 0]
+    found = kinds(episode_of(swapped(centres, 4, 13), centres_m=centres))
+    assert [k for k in found if k[0] == "swap"] == [("swap", RIGHT, LEFT, 4, 12, True)]
+
+
 def test_a_frozen_track_is_lost_even_where_it_ends_near_the_other_hand(episode_of, tools):
     # Hands change places while the tracks stay put: against the nearest truth this looks perfect.
     centres = tools.paths(30, 3.0)

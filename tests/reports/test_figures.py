@@ -17,6 +17,7 @@ def run(episode_of, tools, tmp_path):
     none = np.zeros((3, 3), bool)
     centres = tools.paths(12, 3.0)
     estimates = centres.copy()
+    estimates[:, 1, 0] += 0.08  # between the bounds of 50 and 100 mm
     estimates[0] = np.nan
     estimates[6:, 2] += [0.3, 0, 0]
     return load(

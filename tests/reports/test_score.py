@@ -34,6 +34,15 @@ def test_depth_is_negative_in_front_of_the_truth():
     np.testing.assert_allclose([lateral[0], depth[0]], [0, -0.1], atol=1e-15)
 
 
+def test_depth_is_along_the_left_cameras_ray(episode_of, tools):
+    centres = tools.paths(1, 3.0)
+    ray = centres[0] - tools.cameras()[0].centre_w
+    estimates = centres + 0.03 * ray / np.linalg.norm(ray, axis=1, keepdims=True)
+    result = score(episode_of(estimates, centres_m=centres))
+    np.testing.assert_allclose(result.depth_m[0], 0.03, atol=1e-12)
+    np.testing.assert_allclose(result.lateral_m[0], 0, atol=1e-12)
+
+
 def test_err_acc_is_the_mean_over_views_by_hand(episode_of, tools):
     # A hand 0.95 m in front of both cameras, estimate 9.5 mm to the person's left: 540 * 10e-3 px.
     # The head's truth is 1.25 m away, its estimate 25 mm too far: parallax .025 of the offset.

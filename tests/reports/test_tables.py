@@ -37,6 +37,7 @@ def test_silent_frames_count_against_the_share(summary):
     head = row(summary, "calm", "head")
     assert (head.frames, head.covered) == (40, 35)
     assert head.within_100 == pytest.approx(35 / 40)
+    assert head.within_50 == pytest.approx(35 / 40)
     assert head.median_mm == pytest.approx(20)
     assert head.p90_mm == math.inf
     assert (head.swapped, head.lost, head.episodes) == (None, 0, 2)

@@ -1,0 +1,103 @@
+"""Speed of association and of a whole step, as ratios to Stone Soup within one run.
+
+Never fails by the clock: the ratio is printed in the benchmark's extra information. Run with
+`pytest tests/bench --benchmark-enable`.
+"""
+
+from __future__ import annotations
+
+from datetime import datetime
+from statistics import median
+from time import perf_counter
+
+import numpy as np
+import pytest
+from stonesoup.dataassociator.probability import JPDA
+from stonesoup.gater.distance import DistanceGater
+from stonesoup.hypothesiser.probability import PDAHypothesiser
+from stonesoup.measures import SquaredMahalanobis
+from stonesoup.models.measurement.linear import LinearGaussian
+from stonesoup.models.transition.linear import CombinedLinearGaussianTransitionModel, RandomWalk
+from stonesoup.predictor.kalman import KalmanPredictor
+from stonesoup.types.detection import Detection
+from stonesoup.types.state import GaussianState
+from stonesoup.types.track import Track
+from stonesoup.updater.kalman import KalmanUpdater
+from strategies import DT_S, detections, rig
+
+from pjpdaf.camera import project
+from pjpdaf.jpda import association_probabilities
+from pjpdaf.parameters import PRESETS
+from pjpdaf.tracker import PJPDAF
+
+CAMERAS = rig().cameras
+NEAR_W = np.array([[0.1, -0.03, 0.8], [0.1, 0.0, 0.83], [0.1, 0.03, 0.8]])  # gates overlap
+
+
+def pictures(rng: np.random.Generator) -> list[np.ndarray]:
+    """Six measurements in each of two views, every one within reach of three targets."""
+    return [np.repeat(project(c, NEAR_W), 2, axis=0) + rng.normal(0, 4, (6, 2)) for c in CAMERAS]
+
+
+def seconds(call, rounds: int) -> float:
+    times = []
+    for _ in range(rounds):
+        begin = perf_counter()
+        call()
+        times.append(perf_counter() - begin)
+    return median(times)
+
+
+def stone_soup(pixels: list[np.ndarray], P: np.ndarray):
+    """One associate call a camera on predictions of the same pixels and covariances."""
+    now = datetime(2009, 1, 1)
+    model = LinearGaussian(2, (0, 1), np.diag([15.0, 15.0]))
+    standing = CombinedLinearGaussianTransitionModel([RandomWalk(0.0), RandomWalk(0.0)])
+    hypothesiser = DistanceGater(
+        PDAHypothesiser(
+            KalmanPredictor(standing),
+            KalmanUpdater(model),
+            clutter_spatial_density=1e-5,
+            prob_detect=0.9,
+            prob_gate=1.0,
+        ),
+        SquaredMahalanobis(),
+        15.0,
+    )
+    views = [
+        (
+            [Track([GaussianState(z, P, timestamp=now)]) for z in project(camera, NEAR_W)],
+            {Detection(z, timestamp=now, measurement_model=model) for z in seen},
+        )
+        for camera, seen in zip(CAMERAS, pixels, strict=True)
+    ]
+    associator = JPDA(hypothesiser)
+
+    def call() -> None:
+        for tracks, seen in views:
+            associator.associate(tracks, seen, now)
+
+    return call
+
+
+def test_step_of_three_targets_six_measurements_two_views(benchmark) -> None:
+    pixels = pictures(np.random.default_rng(1))
+    tracker = PJPDAF(CAMERAS, PRESETS["thesis"].tracker)
+    state, seen = tracker.start_at(NEAR_W), tuple(map(detections, pixels))
+    prior, association = tracker.associate(state, seen, DT_S)
+    assert np.all(association.beta_0 < 0.5)
+    H = prior.H[0, 0]
+    theirs = stone_soup(pixels, H @ prior.P[0] @ H.T)
+    if benchmark.enabled:
+        ours_s = seconds(lambda: tracker.step(state, seen, DT_S), 200)
+        benchmark.extra_info["times faster than Stone Soup"] = seconds(theirs, 5) / ours_s
+    else:
+        theirs()
+    benchmark(tracker.step, state, seen, DT_S)
+
+
+@pytest.mark.parametrize(("m", "T"), [(6, 3), (15, 10)])
+def test_association_where_all_gates_overlap(benchmark, m: int, T: int) -> None:
+    L, gated = np.random.default_rng(2).random((m, T)), np.ones((m, T), dtype=bool)
+    beta = benchmark(association_probabilities, L, gated, 0.9, 0.1)
+    np.testing.assert_allclose(beta.sum(axis=0), 1.0)
