@@ -98,13 +98,14 @@ def association_probabilities(
             f"likelihood and gated must both have shape (m, T), got {L.shape} and {mask.shape}"
         )
     T = L.shape[1]
-    PD = np.broadcast_to(np.asarray(p_detect, dtype=np.float64), (T,))
-    if not (0.0 <= clutter < math.inf and np.all((PD >= 0.0) & (PD <= 1.0))):
+    PD = np.empty(T)
+    PD[:] = p_detect
+    if not (0.0 <= clutter < math.inf and all(0.0 <= p <= 1.0 for p in PD.tolist())):
         raise ValueError(
             f"clutter must be at least 0 and p_detect within 0..1, got {clutter} and {PD}"
         )
     L = np.where(mask, L, 0.0)
-    if not np.all(np.isfinite(L) & (L >= 0.0)):
+    if L.size and not (L.min() >= 0.0 and L.max() < math.inf):  # false for NaN
         raise ValueError("likelihood must be finite and at least 0 inside the gates")
     if T <= _SPLIT_ABOVE:
         return _one_cluster(L, PD, clutter)
@@ -125,7 +126,7 @@ def _one_cluster(L: Floats, PD: Floats, clutter: float) -> Floats:
     beta = np.zeros((m + 1, T))
     # A measurement outside every gate is clutter in all events: a common factor.
     top = L.max(axis=1, initial=0.0)
-    used = np.flatnonzero(top > 0.0)
+    used = top.nonzero()[0]
     if len(used):
         L = L[used]
         # Each event has exactly one factor a measurement, so a row may be scaled at will.
@@ -137,17 +138,16 @@ def _one_cluster(L: Floats, PD: Floats, clutter: float) -> Floats:
         else:
             beta[used + 1] = (_by_matrices if T <= _MATRICES_TO else _linear)(L, C, PD)
     beta[0] = 1.0 - beta[1:].sum(axis=0)  # Eq. 3.34
-    # Rounding may leave -1e-16.
-    np.clip(beta[0], 0.0, 1.0, out=beta[0])
+    np.maximum(beta[0], 0.0, out=beta[0])  # rounding may leave -1e-16
     return beta
 
 
 def _spread(L: Floats, C: Floats, PD: Floats) -> float:
     """Decimal orders between the sum of all events and the smallest one, at most."""
-    smallest = np.minimum(np.where(L > 0.0, L, 1.0).min(axis=1), np.where(C > 0.0, C, 1.0))
-    odds = np.minimum(np.where(PD > 0.0, PD, 1.0), np.where(PD < 1.0, 1.0 - PD, 1.0))
-    events = len(L) * math.log10(L.shape[1] + 1)
-    return float(events - np.log10(smallest).sum() - np.log10(odds).sum())
+    m, T = L.shape
+    smallest = min(L.min(initial=1.0, where=L > 0.0), C.min(initial=1.0, where=C > 0.0))
+    odds = min(min(p or 1.0, 1.0 - p or 1.0) for p in PD.tolist())
+    return float(m * (math.log10(T + 1) - math.log10(smallest)) - T * math.log10(odds))
 
 
 _IMPOSSIBLE = "no feasible event has a probability above 0; raise clutter above 0 or lower p_detect"

@@ -17,6 +17,7 @@ from pjpdaf.camera import Camera
 from pjpdaf.parameters import Measurement, TrackerParameters
 
 _KEPT = (0, 1, 2, 4, 5, 6)  # rows of Eq. 3.18 that are no constants
+_EYE = np.eye(6)
 NEAREST_M = 1e-3  # a prediction nearer to a camera's plane than this cannot be projected [m]
 
 
@@ -120,7 +121,7 @@ def gain(P: Floats, H: Floats, S: Floats) -> Floats:
 
 def joseph(P: Floats, K: Floats, H: Floats, R: Floats) -> Floats:
     """(I - K H) P (Eq. 3.11) in Joseph's form, which stays symmetric and positive, (..., 6, 6)."""
-    A = np.eye(P.shape[-1]) - K @ H
+    A = _EYE - K @ H
     return symmetric(A @ P @ A.swapaxes(-1, -2) + K @ R @ K.swapaxes(-1, -2))
 
 

@@ -56,9 +56,9 @@ class Association(NamedTuple):
     """What one step's association says, per target and view.
 
     innovation (T, N, r) weighted (Eq. 3.38) [px]; theta (T, N, r, r) Eq. 3.43; best (T, N, r)
-    innovation of the likeliest measurement; beta_best, beta_0 (T, N); present (T, N) the picture
-    was there and the target is in front of the camera; merged (T, N) the occlusion rule; empty
-    (T, N) no measurement in the gate.
+    innovation of the likeliest measurement and beta_best (T, N) its weight, only for
+    'most_probable'; beta_0 (T, N); present (T, N) the picture was there and the target is in front
+    of the camera; merged (T, N) the occlusion rule; empty (T, N) no measurement in the gate.
     """
 
     innovation: Floats
@@ -189,9 +189,9 @@ class PJPDAF:
             out.theta[:, n, :2, :2] = np.matmul(
                 weights.transpose(1, 2, 0), pixels.transpose(1, 0, 2)
             )
-            likeliest = beta[1:].argmax(axis=0)
-            out.best[:, n, :2] = pixels[likeliest, range(T)]
-            out.beta_best[:, n] = beta[1:].max(axis=0)
+            if p.update == "most_probable":
+                out.best[:, n, :2] = pixels[beta[1:].argmax(axis=0), range(T)]
+                out.beta_best[:, n] = beta[1:].max(axis=0)
             out.beta_0[:, n] = beta[0]
             out.empty[:, n] = ~gated.any(axis=0)
             out.merged[:, n] = OCCLUSIONS[p.occlusion](gated, beta[1:])
@@ -241,8 +241,8 @@ def _estimates(mean: Floats, P: Floats, status: tuple[str, ...]) -> Estimates:
     return Estimates(mean[:, :3], P[:, :3, :3], mean[:, 3:], status)
 
 
-# A measurement that a target holds with this weight is no merged blob: else a lost target, whose gate
-# covers everything, would keep all others from their measurements.
+# A measurement that a target holds with this weight is no merged blob: else a lost target, whose
+# gate covers everything, would keep all others from their measurements.
 CERTAIN = 0.9
 
 
@@ -302,7 +302,7 @@ def block_diagonal(blocks: Floats, T: int, N: int) -> Floats:
     r = blocks.shape[-1]
     full = np.zeros((T, N, r, N, r))
     views = np.arange(N)
-    full[:, views, :, views, :] = np.broadcast_to(blocks, (T, N, r, r)).swapaxes(0, 1)
+    full[:, views, :, views, :] = blocks.swapaxes(0, 1) if blocks.ndim == 4 else blocks
     return full.reshape(T, N * r, N * r)
 
 
@@ -321,7 +321,7 @@ def probabilistic_update(
     share = 1.0 - beta_0[:, None, None]
     KT = K.swapaxes(-1, -2)
     kept = (1.0 - share) * P + share * joseph(P, K, views.H, views.R)
-    if np.any(share < 0.0):
+    if share.min() < 0.0:
         kept = np.where(share < 0.0, P - share * (K @ S @ KT), kept)
     return moved, symmetric(kept + K @ spread @ KT)
 
@@ -372,27 +372,23 @@ def _sequential(
 ) -> tuple[Floats, Floats]:
     """Each view's own PDA update in turn, all linearised and associated at the prediction."""
     mean, P = prior.mean, prior.P
-    used = seen.present & ~seen.merged
+    used = (seen.present & ~seen.merged).astype(float)  # 0 makes a view do nothing
+    all_H = prior.H * used[:, :, None, None]
+    masses = (1.0 - seen.beta_0) * used
+    R = np.repeat(prior.R[None], len(mean), axis=0)
     for n in range(used.shape[1]):
-        H, z, mass = prior.H[:, n], seen.innovation[:, n], 1.0 - seen.beta_0[:, n]
-        # Innovations from the prediction to innovations from what the views before made of it.
-        shift = (H @ (mean - prior.mean)[..., None])[..., 0]
-        moved = z - mass[:, None] * shift
-        cross = shift[:, :, None] * z[:, None, :]
-        theta = (
-            seen.theta[:, n]
-            - cross
-            - cross.swapaxes(1, 2)
-            + mass[:, None, None] * shift[:, :, None] * shift[:, None, :]
-        )
-        here = used[:, n]
-        views = Stacked(
-            np.where(here[:, None], moved, 0.0),
-            np.where(here[:, None, None], H, 0.0),
-            np.broadcast_to(prior.R, theta.shape),
-        )
-        beta_0 = np.where(here, seen.beta_0[:, n], 1.0)
-        mean, P = probabilistic_update(mean, P, views, beta_0, _spread(moved, theta, here))
+        H, mass = all_H[:, n], masses[:, n, None]
+        innovation = seen.innovation[:, n] * used[:, n, None]
+        theta = seen.theta[:, n] * used[:, n, None, None]
+        if n:  # from the prediction to what the views before made of it
+            shift = (H @ (mean - prior.mean)[..., None])[..., 0]
+            cross = shift[:, :, None] * innovation[:, None, :]
+            again = (mass * shift)[:, :, None] * shift[:, None, :]
+            theta = theta - cross - cross.swapaxes(1, 2) + again
+            innovation = innovation - mass * shift
+        spread = theta - innovation[:, :, None] * innovation[:, None, :]
+        views = Stacked(innovation, H, R)
+        mean, P = probabilistic_update(mean, P, views, 1.0 - mass[:, 0], spread)
     return mean, P
 
 

@@ -63,11 +63,14 @@ def error_figure(frames: pd.DataFrame, events: pd.DataFrame) -> Figure:
                 "hoverinfo": "skip",
             }
         )
-    bottom = 0.2 if lanes else 0.0
+    # From below: captures, losses, the swap on top; a lane for each that happens.
+    names = sorted({lane["y"][0] for lane in lanes}, key=lambda n: (n.split()[-1], n))
+    height = 460 + (60 + 22 * len(names) if lanes else 0)
+    bottom = 1 - 400 / (height - 80) if lanes else 0.0
     half = (1.0 - bottom - 0.08) / 2
     layout: Figure = {
-        "height": 460 + (70 if lanes else 0),
-        "margin": {"l": 62, "r": 12, "t": 34, "b": 46},
+        "height": height,
+        "margin": {"l": 104 if lanes else 62, "r": 12, "t": 34, "b": 46},
         "hovermode": "x unified",
         "legend": {"orientation": "h", "x": 0, "y": 1.0, "yanchor": "bottom"},
         "xaxis": {
@@ -96,11 +99,11 @@ def error_figure(frames: pd.DataFrame, events: pd.DataFrame) -> Figure:
     }
     if lanes:
         layout["yaxis3"] = {
-            "domain": [0.0, bottom - 0.06],
+            "domain": [0.0, bottom - 40 / height],
             "type": "category",
             "categoryorder": "array",
-            "categoryarray": ["captured", "lost", "swapped"],
-            "range": [-0.6, 2.6],
+            "categoryarray": names,
+            "range": [-0.6, len(names) - 0.4],
             "fixedrange": True,
             "gridcolor": "@grid",
         }
@@ -243,12 +246,13 @@ def _axis(title: str, domain: list[float]) -> Figure:
 
 def _event_traces(events: pd.DataFrame) -> list[Figure]:
     """A bar per event in the lane of its kind; empty without events."""
-    lanes = {"swap": "swapped", "lost": "lost", "capture": "captured"}
+    verbs = {"swap": "swapped", "lost": "lost", "capture": "captured"}
     traces = []
     for event in events.itertuples():
-        if event.kind not in lanes:
+        if event.kind not in verbs:
             continue
         who = LABELS[event.target]
+        short = "hands" if event.kind == "swap" else who.removesuffix(" hand")
         words = {
             "swap": "right and left hand swapped",
             "lost": f"{who} lost",
@@ -262,11 +266,11 @@ def _event_traces(events: pd.DataFrame) -> list[Figure]:
                 "type": "scatter",
                 "mode": "lines",
                 "x": x,
-                "y": [lanes[event.kind]] * 2,
+                "y": [f"{short} {verbs[event.kind]}"] * 2,
                 "xaxis": "x",
                 "yaxis": "y3",
                 "showlegend": False,
-                "line": {"color": colour, "width": 9},
+                "line": {"color": colour, "width": 10},
                 "opacity": 0.75,
                 "name": words,
                 "hovertemplate": f"{words}, frames {event.first_frame}-{event.last_frame}"

@@ -189,14 +189,14 @@ def _head(assets: Assets, body: Any, anatomy: Anatomy, appearance: Appearance) -
             yaw_rad=-0.45 * y,
         )
     # The neck hangs from the head into the collar; only what the collar leaves is seen.
-    neck = limb(0.105 * k, np.array([0.045, 0.0445, 0.045]) * k, sides=20, rings=4, far_cap=0.1)
+    neck = limb(0.105 * k, np.array([0.0445, 0.0435, 0.0435]) * k, sides=20, rings=4, far_cap=0.1)
     assets.add(
         body,
         f"{SKIN}neck",
         neck,
         "skin",
         group,
-        pos=(-0.014, 0.0, -0.040),
+        pos=(-0.008, 0.0, -0.040),
         quat=(0.7071068, 0.0, 0.7071068, 0.0),
     )
     if appearance.glasses:

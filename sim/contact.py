@@ -208,8 +208,8 @@ def _way_apart(a: Capsules, b: Capsules, steady: Floats, trust: float) -> tuple[
     """Deepest overlap [m] and a way out for a (3,), unit.
 
     The mean of all overlapping pairs' ways, each as heavy as it is deep, so that it changes
-    smoothly with the pose; `steady` (3,), a unit vector, gets the weight `trust` of 0..1 beside it, because
-    fingers between fingers push both ways.
+    smoothly with the pose; `steady` (3,), a unit vector, gets the weight `trust` of 0..1 beside
+    it, because fingers between fingers push both ways.
     """
     overlap, distance, between = _overlaps(a, b)
     deepest = float(overlap.max())
@@ -312,8 +312,8 @@ def separate(
             # Without a centre line to part along, each hand goes to its own side.
             apart = arms[0].palm_m - arms[1].palm_m + np.array([0.0, 0.01 * OUTWARD[0], 0.0])
             depth, way = _way_apart(
-                _with_forearm(anatomy, arms[0], bars[0]),
-                _with_forearm(anatomy, arms[1], bars[1]),
+                bars[0],
+                bars[1],
                 apart / max(norm(apart), 1e-9),
                 min(0.25 + 0.08 * number, 1.0),
             )

@@ -302,7 +302,7 @@ def _approach(stage: Stage) -> _Approach:
         away = np.array([ahead * gap, 0.0, 0.35 * ahead * gap])
         centre = np.array([x, 0.0, stage.scene.room.table_height_m + height]) + away
         lateral = np.array([0.0, OUTWARD[side], 0.0])
-        held = raised(side, centre, 1.0, -0.35, 1.2, curl=0.16)
+        held = raised(side, centre, 1.0, -0.35, 1.2, curl=0.16, swivel_rad=0.5 if side == front else 0.0)
         apart.append(replace(held, position_m=centre + spread * lateral))
         crossed.append(replace(held, position_m=centre - past * lateral))
         bows.append(np.array([2.0 * ahead * bow, 0.0, 0.0]))

@@ -7,6 +7,7 @@ nothing may import it before `prepare` has run: use `load_mujoco`.
 from __future__ import annotations
 
 import ctypes
+import functools
 import importlib
 import os
 import platform
@@ -108,6 +109,7 @@ def prepare(threads: int | None = None) -> str:
     return backend
 
 
+@functools.cache
 def load_mujoco() -> Any:
     """The module mujoco, imported with a back end that works.
 

@@ -9,7 +9,7 @@ import numpy as np
 from sim import textures
 from sim.assets import Assets, Quaternion, turned
 from sim.body import ROOM, limb_ring
-from sim.shapes import moved, revolved
+from sim.shapes import revolved
 from sim.specs import ObjectSpec, RoomSpec
 
 KINDS = ("can", "cup", "box", "ball", "book")
@@ -249,7 +249,7 @@ def _cup(assets: Assets, body: Any, name: str, thing: ObjectSpec) -> None:
         28,
     )
     assets.add(body, name, cup, name, ROOM)
-    ring = moved(limb_ring(0.30 * h, 0.055 * h), (0.0, 0.0, 0.0))
+    ring = limb_ring(0.30 * h, 0.055 * h)
     assets.add(
         body,
         f"{name}:handle",

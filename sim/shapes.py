@@ -134,9 +134,3 @@ def revolved(profile_m: Floats, sides: int = 32) -> Surface:
     z = surface.vertices_m[:, 2]
     uv = np.column_stack([surface.uv[:, 0], (z.max() - z) / np.ptp(z)])
     return Surface(surface.vertices_m, surface.normals, uv, surface.faces)
-
-
-def moved(surface: Surface, offset_m: tuple[float, float, float]) -> Surface:
-    """The surface shifted by an offset."""
-    vertices = surface.vertices_m + np.array(offset_m)
-    return Surface(vertices, surface.normals, surface.uv, surface.faces)

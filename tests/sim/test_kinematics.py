@@ -137,7 +137,7 @@ def test_bone_frames_point_along_the_bone_with_z_up(x):
     frame = bone_frame(np.zeros(3), x)
     np.testing.assert_allclose(frame[:, 0], x / norm(x), atol=1e-12)
     np.testing.assert_allclose(np.cross(frame[:, 0], frame[:, 1]), frame[:, 2], atol=1e-12)
-    assert frame[2, 2] >= -1e-12
+    assert frame[2, 2] >= -1e-6  # nearer than that to upright, z points back or forward
 
 
 def test_rotation_about_an_axis_agrees_with_the_plain_ones():

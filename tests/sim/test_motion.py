@@ -277,3 +277,24 @@ def test_the_head_sways_within_its_amplitude():
         times, posed = bodies("speed_ladder", seed)
         heads = np.array([body.head.position_m for body in posed])[times < 1.0]
         assert np.linalg.norm(heads - heads[0], axis=1).max() <= 2 * declared
+
+
+def test_speed_of_posing(benchmark):
+    """Meant to stay below 2 ms on an idle core; reported with --benchmark-enable, never judged."""
+    script = performance("bounce", 0).script
+    assert benchmark(script.pose, cues("bounce", 0)["touch"].from_s).time_s > 0
+
+
+@every
+def test_speed_of_building(benchmark, name):
+    """Meant to stay below 0.5 s on an idle core; reported with --benchmark-enable, never judged."""
+    assert benchmark(perform, load_scenario(name), 0).frames > 0
+
+
+def test_hands_that_brush_past_each_other_still_move_smoothly():
+    """The least depth gap: contact projection works in the middle of the stroke."""
+    played = perform(load_scenario("cross"), 2, {"depth_gap": 0.04, "speed": 0.3, "bow": 0.0})
+    event = next(cue for cue in played.script.plan.cues if cue.name == "cross")
+    times = np.arange(event.from_s, event.to_s, 0.02).tolist()
+    path = np.array([[a.palm_m for a in played.script.body(t).arms] for t in times])
+    assert speeds(path, 0.02).max() < 1.0  # no hand jumps: 0.3 m/s, and the way round the other
