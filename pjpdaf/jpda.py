@@ -20,15 +20,13 @@ _MATRICES_TO = 4  # targets; above, 2^T x 2^T matrices cost more than they save
 _SPLIT_ABOVE = 6  # targets; below, finding the clusters costs more than it saves
 
 
-def squared_distances(innovations: Floats, S: Floats) -> Floats:
+def squared_distances(innovations: Floats, S_inverse: Floats) -> Floats:
     """Mahalanobis distances squared z^T S^-1 z (Eq. 3.24).
 
-    innovations (m, T, r) [px]; S (T, r, r) [px^2]; returns (m, T).
+    innovations (m, T, r) [px]; S_inverse (T, r, r) [px^-2]; returns (m, T), NaN where they are.
     """
-    if len(innovations) == 0:
-        return np.zeros(innovations.shape[:2])
-    whitened = np.linalg.solve(S, innovations.transpose(1, 2, 0))  # (T, r, m)
-    return np.asarray((innovations.transpose(1, 2, 0) * whitened).sum(axis=1).T)
+    weighted = np.matmul(innovations[:, :, None], S_inverse)[:, :, 0]
+    return np.asarray((weighted * innovations).sum(axis=2))
 
 
 def validation_matrix(gated: Bools) -> Bools:

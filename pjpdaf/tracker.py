@@ -13,7 +13,7 @@ import numpy as np
 from pjpdaf.arrays import Floats, readonly
 from pjpdaf.camera import Camera
 from pjpdaf.interfaces import Detections, Estimates
-from pjpdaf.jpda import Bools, association_probabilities, clusters
+from pjpdaf.jpda import Bools, association_probabilities, clusters, squared_distances
 from pjpdaf.parameters import TrackerParameters
 from pjpdaf.projective import (
     Projection,
@@ -159,7 +159,7 @@ class PJPDAF:
         in_front = ~np.isnan(z[..., 0])
         H[~in_front] = 0.0
         S = innovation_covariance(H, P, self._R)  # (N, T, r, r)
-        S_inverse = np.linalg.inv(S)
+        S_inverse = np.asarray(np.linalg.inv(S), dtype=np.float64)
         out = Association(
             innovation=np.zeros((T, N, r)),
             theta=np.zeros((T, N, r, r)),
@@ -174,8 +174,8 @@ class PJPDAF:
             if view.missing or len(view) == 0:
                 continue
             pixels = view.centres_px[:, None] - z[n]  # (m, T, 2); NaN behind the camera
-            weighted = np.matmul(pixels[:, :, None], S_inverse[n, :, :2, :2])[:, :, 0]
-            d2 = (weighted * pixels).sum(axis=2)  # Eq. 3.24; a third component would be 0
+            # A third component of the innovation would be 0.
+            d2 = squared_distances(pixels, S_inverse[n, :, :2, :2])
             gated = d2 <= p.gate
             if not gated.any():
                 continue

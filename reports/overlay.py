@@ -16,6 +16,7 @@ from pjpdaf.targets import COLOURS_RGB
 from sim.truth import Truth
 
 LETTERS = ("H", "R", "L")  # beside each circle: colour is never the only sign
+_NAMES = ("H head", "R right hand", "L left hand")
 QUALITY = 85
 _Image = NDArray[np.uint8]
 _Colour = tuple[int, int, int]
@@ -33,32 +34,52 @@ def overlay_jpeg(
     cameras: Sequence[Camera],
     seen: Sequence[Detections],
     estimates: Estimates,
-    truth: Truth,
+    truth: Truth | None = None,
     *,
     covariances: bool = False,
 ) -> bytes:
-    """JPEG of all views side by side, with a strip below that says what is what.
+    """`overlay_picture` as JPEG."""
+    sheet = overlay_picture(frame, cameras, seen, estimates, truth, covariances=covariances)
+    return encode_jpeg(sheet)
+
+
+def overlay_picture(
+    frame: StereoFrame,
+    cameras: Sequence[Camera],
+    seen: Sequence[Detections],
+    estimates: Estimates,
+    truth: Truth | None = None,
+    *,
+    covariances: bool = False,
+) -> _Image:
+    """All views side by side (h, w, 3) BGR, with a strip below that says what is what.
 
     frame: the pictures as filmed; seen: per view, may be empty. All of it is in undistorted pixels
     and is bent by the camera's lens to match the pictures.
 
     Detected ellipses: thin yellow. Estimates: circles with a letter, red head, green right hand,
     blue left hand; lost or coasting ones are thin. Truth (the visible skin's centroid, else the
-    projected centre): crosses. covariances: 2-sigma ellipses of the estimates too.
+    projected centre): crosses; without truth, as of real footage, the strip says each target's
+    status instead. covariances: 2-sigma ellipses of the estimates too.
     """
     views = []
     for v, (picture, camera) in enumerate(zip(frame.pictures, cameras, strict=True)):
         canvas = _canvas(picture, camera)
         if v < len(seen):
             _draw_detections(canvas, camera, seen[v])
-        _draw_truth(canvas, camera, truth, v)
+        if truth is not None:
+            _draw_truth(canvas, camera, truth, v)
         _draw_estimates(canvas, camera, estimates, covariances)
         views.append(canvas)
     height = max(view.shape[0] for view in views)
     views = [_padded(view, height) for view in views]
     gap = np.full((height, 4, 3), _STRIP, dtype=np.uint8)
     body = np.hstack([part for view in views for part in (view, gap)][:-1])
-    sheet = np.vstack([body, _strip(body.shape[1], truth)])
+    return np.vstack([body, _strip(body.shape[1], frame, estimates, truth)])
+
+
+def encode_jpeg(sheet: _Image) -> bytes:
+    """A BGR picture as JPEG."""
     done, jpeg = cv2.imencode(".jpg", sheet, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
     assert done, "OpenCV always encodes a uint8 BGR picture"
     return bytes(jpeg)
@@ -142,25 +163,27 @@ def _text(canvas: _Image, words: str, at: tuple[int, int], colour: _Colour) -> N
     cv2.putText(canvas, words, at, _FONT, 0.55, colour, 2, cv2.LINE_AA)
 
 
-def _strip(width: int, truth: Truth) -> _Image:
+def _strip(width: int, frame: StereoFrame, estimates: Estimates, truth: Truth | None) -> _Image:
     """Frame number, time and legend; the legend is left out where there is no room for it."""
     strip = np.full((30, width, 3), _STRIP, dtype=np.uint8)
-    _text(strip, f"frame {truth.index}   {truth.time_s:.2f} s", (12, 20), _WHITE)
+    _text(strip, f"frame {frame.index}   {frame.time_s:.2f} s", (12, 20), _WHITE)
     if width < 900:
         return strip
     x = 250
     _curve(strip, _ellipse_points(np.array([x, 15.0]), 10, 6, 0.0), _YELLOW, 1)
     _text(strip, "detected", (x + 18, 20), _WHITE)
     x += 130
-    for half in (np.array([6.0, 0.0]), np.array([0.0, 6.0])):
-        at = np.array([float(x), 15.0])
-        cv2.line(strip, _fixed(at - half), _fixed(at + half), _WHITE, 2, cv2.LINE_AA, _SHIFT)
-    _text(strip, "truth", (x + 16, 20), _WHITE)
-    x += 100
-    _text(strip, "estimates:", (x, 20), _WHITE)
-    x += 112
-    for words, colour in zip(("H head", "R right hand", "L left hand"), _COLOURS, strict=True):
+    if truth is not None:
+        for half in (np.array([6.0, 0.0]), np.array([0.0, 6.0])):
+            at = np.array([float(x), 15.0])
+            cv2.line(strip, _fixed(at - half), _fixed(at + half), _WHITE, 2, cv2.LINE_AA, _SHIFT)
+        _text(strip, "truth", (x + 16, 20), _WHITE)
+        x += 100
+        _text(strip, "estimates:", (x, 20), _WHITE)
+        x += 112
+    for t, (words, colour) in enumerate(zip(_NAMES, _COLOURS, strict=True)):
         _curve(strip, _ellipse_points(np.array([x, 15.0]), 8, 8, 0.0), colour, 2)
-        _text(strip, words, (x + 16, 20), _WHITE)
-        x += 140 if words != "H head" else 100
+        said = words if truth is not None else f"{words} {estimates.status[t]}"
+        _text(strip, said, (x + 16, 20), _WHITE)
+        x += (140 if truth is not None else 225) - (40 if t == 0 else 0)
     return strip

@@ -45,6 +45,11 @@ class Shot:
     address: str
 
 
+def shot(caption: str, jpeg: bytes) -> Shot:
+    """A picture inside the page."""
+    return Shot(caption, "data:image/jpeg;base64," + base64.b64encode(jpeg).decode())
+
+
 @dataclass(frozen=True)
 class Entry:
     """One episode that can be chosen: key of its figures, words in the select box, its pictures."""
@@ -93,6 +98,21 @@ def build_page(runs: Sequence[SavedRun], title: str = "") -> str:
     figures: dict[str, Any] = {}
     summaries = [summarise(run) for run in runs]
     sections = _sections(runs, summaries, figures)
+    names = ", ".join(summary.name for summary in summaries)
+    return render(
+        "page.html.j2",
+        figures,
+        title=title or f"Tracking report: {names}",
+        runs=list(zip(runs, summaries, strict=True)),
+        verdicts=[(s.name, verdict(s)) for s in summaries],
+        sections=sections,
+        targets=TARGETS,
+        count=count,
+    )
+
+
+def render(template: str, figures: Mapping[str, Any], **values: Any) -> str:
+    """A page from a template of ours, with style, script, plotly and its figures inside."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("reports", "templates"),
         autoescape=True,
@@ -103,24 +123,22 @@ def build_page(runs: Sequence[SavedRun], title: str = "") -> str:
     environment.filters.update(
         number=number, percent=percent, time_text=time_text, label=LABELS.__getitem__, words=_words
     )
-    names = ", ".join(summary.name for summary in summaries)
-    return environment.get_template("page.html.j2").render(
-        title=title or f"Tracking report: {names}",
-        runs=list(zip(runs, summaries, strict=True)),
-        verdicts=[(s.name, verdict(s)) for s in summaries],
-        sections=sections,
-        targets=TARGETS,
-        count=count,
-        css=_asset("page.css"),
-        script=_asset("page.js"),
+    return environment.get_template(template).render(
+        css=asset("page.css"),
+        script=asset("page.js"),
         figures=_packed(json.dumps(figures, separators=(",", ":"), allow_nan=False).encode()),
         plotly=_plotly(),
+        **values,
     )
 
 
 def write_page(runs: Sequence[SavedRun], path: Path, title: str = "") -> Path:
     """Write the page and return its path. Raises BenchError where it cannot be written."""
-    text = build_page(runs, title)
+    return write_text(path, build_page(runs, title))
+
+
+def write_text(path: Path, text: str) -> Path:
+    """Write a page, whole or not at all, and return its path. Raises BenchError."""
     part = path.with_name(f".{path.name}.part")
     try:
         part.write_text(text, encoding="utf-8")
@@ -215,8 +233,7 @@ def _choose_shots(
             if len(jpeg) > left:
                 return chosen
             left -= len(jpeg)
-            address = "data:image/jpeg;base64," + base64.b64encode(jpeg).decode()
-            shots.append(Shot(f"frame {picture['frame']}", address))
+            shots.append(shot(f"frame {picture['frame']}", jpeg))
         chosen[key] = tuple(shots)
     return chosen
 
@@ -265,7 +282,7 @@ def _words(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def _asset(name: str) -> Markup:
+def asset(name: str) -> Markup:
     """A file of ours that goes into the page as it is."""
     text = (resources.files("reports") / "templates" / name).read_text(encoding="utf-8")
     return Markup(text)

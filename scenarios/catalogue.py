@@ -14,7 +14,7 @@ from scenarios.spec import Entry, Scenario, Suite, nearest
 _SUFFIXES = (".yaml", ".yml")
 
 
-class UnknownName(BenchError):  # noqa: N818
+class UnknownName(BenchError):
     """No shipped thing of this name."""
 
     def __init__(self, what: str, name: str, known: Collection[str]) -> None:

@@ -123,7 +123,7 @@ def doctor() -> None:
 @scenarios_app.command("list")
 def scenarios_list() -> None:
     """All shipped scenarios and suites, one line each."""
-    from scenarios.catalogue import scenario_names, suite_names, load_scenario, load_suite
+    from scenarios.catalogue import load_scenario, load_suite, scenario_names, suite_names
 
     for name in scenario_names():
         scenario = load_scenario(name)
@@ -176,7 +176,7 @@ def scenarios_schema() -> None:
 
 
 def main() -> None:
-    """Entry point: a fault that the user can put right is one line and an exit code, no traceback."""
+    """Entry point: a fault that the user can put right is one line and an exit code."""
     try:
         app(standalone_mode=True)
     except BenchError as fault:

@@ -60,7 +60,10 @@ def _one_opencv() -> Finding:
             continue
     if not others:
         return Finding("one OpenCV", True, "the headless wheel alone")
-    remedy = f"pip uninstall {others[0].split()[0]}; pip install --force-reinstall --no-deps opencv-python-headless"
+    remedy = (
+        f"pip uninstall {others[0].split()[0]}; "
+        "pip install --force-reinstall --no-deps opencv-python-headless"
+    )
     return Finding("one OpenCV", False, ", ".join(others) + " beside the headless wheel", remedy)
 
 

@@ -65,7 +65,7 @@ def _play_safely(job: Job) -> EpisodeRows | BenchError:
     except Unposable as fault:
         return _failure(job, f"cannot be posed: {fault}")
     except BenchError as fault:
-        # Errors with fields of their own do not survive pickling; line and exit code are all we need.
+        # Errors with fields of their own do not survive pickling; line and exit code suffice.
         kind = InfrastructureError if fault.exit_code == 5 else BenchError
         return kind(str(fault))
     except Exception as fault:
@@ -92,8 +92,8 @@ def play_all(
     """Play all jobs on `workers` processes.
 
     A worker that dies is replaced and its episode played again, three times at most; an episode over
-    its time limit, or that raises, becomes a failed episode. Ctrl-C ends the run and keeps what is
-    finished. The order of the rows and their contents do not depend on `workers`.
+    its time limit, or that raises, becomes a failed episode. Ctrl-C ends the run and keeps what
+    is finished. The order of the rows and their contents do not depend on `workers`.
     Raises BenchError (the first in the order of the jobs) where the user's input is at fault.
     """
     results: dict[int, EpisodeRows] = {}

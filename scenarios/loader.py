@@ -25,7 +25,7 @@ Positions = dict[Path_, tuple[int, int]]  # (line, column), from 1: of the key, 
 R = TypeVar("R", bound=BaseModel)
 
 
-class FileFault(BenchError):  # noqa: N818
+class FileFault(BenchError):
     """What is wrong with a file, and where: `file:line:column: path: rule`."""
 
     def __init__(self, file: str, at: tuple[int, int] | None, message: str) -> None:

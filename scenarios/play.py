@@ -106,7 +106,7 @@ def play(job: Job) -> Episode:
 
 
 class _Gallery:
-    """Chooses which frames of an episode are kept as pictures: even spacing, and changes of merge."""
+    """Chooses the frames of an episode that are kept as pictures: evenly, and where merges change."""
 
     def __init__(self, frames: int) -> None:
         step = max(1, (frames - 1) // (EVENLY_SPACED_PICTURES - 1)) if frames > 1 else 1

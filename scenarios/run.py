@@ -25,7 +25,7 @@ from pjpdaf.registry import make_detector, make_tracker
 from reports.page import write_page
 from reports.results import RunInfo, check_free, load, save
 from reports.rows import EpisodeRows
-from reports.tables import rich_table, summarise
+from reports.tables import count, rich_table, summarise
 from scenarios.catalogue import resolve, scenarios_of
 from scenarios.execute import Played, play_all
 from scenarios.play import Job, System
@@ -143,8 +143,11 @@ def plan(request: RunRequest) -> list[Job]:
     for part in parts:
         asked = {key: value for key, value in settings.scenario.items() if key in part.takes}
         overrides = {**part.overrides, **asked}
-        for seed in range(request.seeds if request.seeds is not None else part.seeds):
-            jobs.append(Job(part.scenario, seed, overrides, system, keep_pictures=seed == 0))
+        seeds = request.seeds if request.seeds is not None else part.seeds
+        jobs += [
+            Job(part.scenario, seed, overrides, system, keep_pictures=seed == 0)
+            for seed in range(seeds)
+        ]
     for job in {job.scenario.name: job for job in jobs}.values():
         check(job)
     return jobs
@@ -218,7 +221,7 @@ def run_suite(request: RunRequest) -> None:
     out.print(rich_table(summarise(saved)))
     frames = sum(row.frame_count for row in played.rows)
     out.print(
-        f"{len(played.rows)} episodes, {frames} stereo frames in {wall_s:.0f} s "
+        f"{count(len(played.rows), 'episode')}, {count(frames, 'stereo frame')} in {wall_s:.0f} s "
         f"({frames / wall_s:.1f} a second, {workers} workers)",
         highlight=False,
     )

@@ -1,1 +1,1 @@
-"""The simulated world: a seated person, a room and two cameras. The only package that imports mujoco."""
+"""The simulated world: a seated person, a room, two cameras. Alone in importing mujoco."""

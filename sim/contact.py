@@ -31,10 +31,9 @@ _PALM_BARS = (
 )
 _PALM_RADIUS = 0.0145
 _AVERAGE_BREADTH_M, _AVERAGE_PALM_M = 0.0851, 0.0774
-_FOREARM_RADIUS_M = 0.027  # of the half next to the wrist, with sleeve, at a stature of 1.72 m
 
 
-class Unposable(BenchError):  # noqa: N818
+class Unposable(BenchError):
     """A motion whose parts cannot be kept apart: the seed is rejected."""
 
 
@@ -262,18 +261,6 @@ def penetration(
         table_m=max(obstacles.table.penetration(b) for b in bars),
         solids_m=solids,
         hands_m=capsule_gap(bars[0], bars[1])[0],
-    )
-
-
-def _with_forearm(anatomy: Anatomy, arm: Arm, hand: Capsules) -> Capsules:
-    """The hand and the half of the forearm next to it."""
-    radius = _FOREARM_RADIUS_M * anatomy.stature_m / 1.72
-    middle = 0.45 * arm.elbow_m + 0.55 * arm.wrist_m
-    end = arm.wrist_m + (radius / anatomy.forearm_m) * (arm.elbow_m - arm.wrist_m)
-    return Capsules(
-        np.vstack([hand.starts_m, middle]),
-        np.vstack([hand.ends_m, end]),
-        np.append(hand.radii_m, radius),
     )
 
 

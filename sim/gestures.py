@@ -281,6 +281,9 @@ def _drink(stage: Stage) -> Plan:
 # --- cross and bounce: one approach, two outcomes ------------------------------------------------
 
 
+_RISE_M = 0.025  # of the farther hand over the nearer one: keeps it out of the other's forearm
+
+
 @dataclass(frozen=True, eq=False)
 class _Approach:
     """Both hands up, apart, one nearer to the cameras, about to stroke through the middle."""
@@ -298,11 +301,11 @@ def _approach(stage: Stage) -> _Approach:
     apart, crossed, bows = [], [], []
     for side in (0, 1):
         ahead = 0.5 if side == front else -0.5
-        # The gap lies along the line of sight, which comes down at about 20 degrees.
-        away = np.array([ahead * gap, 0.0, 0.35 * ahead * gap])
+        # The farther hand passes higher: below it, the nearer arm comes in from its elbow.
+        away = np.array([ahead * gap, 0.0, -ahead * _RISE_M])
         centre = np.array([x, 0.0, stage.scene.room.table_height_m + height]) + away
         lateral = np.array([0.0, OUTWARD[side], 0.0])
-        held = raised(side, centre, 1.0, -0.35, 1.2, curl=0.16, swivel_rad=0.5 if side == front else 0.0)
+        held = raised(side, centre, 1.0, -0.35, 1.2, curl=0.16)
         apart.append(replace(held, position_m=centre + spread * lateral))
         crossed.append(replace(held, position_m=centre - past * lateral))
         bows.append(np.array([2.0 * ahead * bow, 0.0, 0.0]))

@@ -27,7 +27,9 @@ class Transform:
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """All moving parts at time_s. World: x from the person to the cameras, y to the person's left, z up.
+    """All moving parts at time_s.
+
+    World: x from the person to the cameras, y to the person's left, z up.
 
     Part frames:
       torso     origin at the mid-shoulder point; x forward, y left, z up the spine.

@@ -29,7 +29,9 @@ def test_wheel_holds_all_data_files_and_no_tests(tmp_path):
 
 def test_lock_pins_by_hash_and_names_no_address():
     lock = (ROOT / "requirements.lock").read_text()
-    assert "://" not in lock and "--index" not in lock and "--find-links" not in lock
+    assert "://" not in lock
+    assert "--index" not in lock
+    assert "--find-links" not in lock
     blocks = re.split(r"\n(?=[a-zA-Z0-9])", "\n" + lock.split("\n", 1)[1])
     pins = [b for b in blocks if "==" in b.split("\n")[0]]
     assert len(pins) > 40

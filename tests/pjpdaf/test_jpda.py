@@ -132,7 +132,7 @@ def test_equal_to_stone_soup_on_200_random_cases() -> None:
         P = A @ A.swapaxes(1, 2) + np.eye(2)
         S = P + 15.0 * np.eye(2)
         clutter = 10 ** rng.uniform(-6, -1)
-        d2 = squared_distances(pixels[:, None] - means, S)
+        d2 = squared_distances(pixels[:, None] - means, np.linalg.inv(S))
         gated = d2 < 15.0
         overlaps += bool((gated.sum(axis=1) > 1).any())
         likelihood = np.exp(-0.5 * d2) / np.sqrt(np.linalg.det(2 * np.pi * S))

@@ -93,10 +93,12 @@ def test_a_broken_mujoco_gl_is_one_line_and_exit_code_5(value, tmp_path):
 def test_doctor_is_content_here_and_not_with_a_broken_mujoco_gl():
     good = bench("doctor")
     assert good.returncode == 0, good.stdout
-    assert "self-test" in good.stdout and "FAIL" not in good.stdout
+    assert "self-test" in good.stdout
+    assert "FAIL" not in good.stdout
     bad = bench("doctor", MUJOCO_GL="potato")
     assert bad.returncode == 5
-    assert "FAIL" in bad.stdout and "potato" in bad.stdout
+    assert "FAIL" in bad.stdout
+    assert "potato" in bad.stdout
 
 
 def test_scenarios_list_show_validate_schema(tmp_path):
@@ -104,9 +106,11 @@ def test_scenarios_list_show_validate_schema(tmp_path):
     for name in ("calm_table", "drink", "cross", "bounce", "speed_ladder", "smoke"):
         assert name in listed
     shown = bench("scenarios", "show", "cross", "--seed", "3").stdout
-    assert "depth_gap" in shown and "seed 3" in shown
+    assert "depth_gap" in shown
+    assert "seed 3" in shown
     good = bench("scenarios", "validate", *sorted((ROOT / "scenarios/catalog").glob("*.yaml")))
-    assert good.returncode == 0 and good.stdout.count(": ok") == 5
+    assert good.returncode == 0
+    assert good.stdout.count(": ok") == 5
     bad = tmp_path / "bad.yaml"
     bad.write_text("name: [")
     assert bench("scenarios", "validate", bad).returncode == 2

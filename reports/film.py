@@ -1,0 +1,104 @@
+"""A film of overlay pictures: MP4 (H.264) with the extra `video`, else WebM (VP8)."""
+
+from __future__ import annotations
+
+import importlib
+from fractions import Fraction
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import cv2
+import numpy as np
+
+from pjpdaf.errors import InfrastructureError
+
+KEY_FRAME_S = 3.0  # a player can jump to every such moment
+
+
+class Film:
+    """Writes pictures (h, w, 3) uint8 BGR of one size, one at a time.
+
+    `path` is known after the first picture. Raises InfrastructureError where no encoder opens.
+    """
+
+    def __init__(self, folder: Path, stem: str, rate_hz: float) -> None:
+        self.path: Path | None = None
+        self._stem = folder / stem
+        self._rate_hz = rate_hz
+        self._writer: _Mp4 | _WebM | None = None
+
+    def add(self, picture: np.ndarray) -> None:
+        """The next picture."""
+        height, width = picture.shape[:2]
+        # Colour is stored at half resolution: both sides must be even.
+        even = np.pad(picture, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
+        if self._writer is None:
+            self._writer = _open(self._stem, self._rate_hz, (even.shape[1], even.shape[0]))
+            self.path = self._writer.path
+        self._writer.add(even)
+
+    def close(self) -> None:
+        """Finish the file; safe to call twice."""
+        if self._writer is not None:
+            self._writer.close()
+            self._writer = None
+
+    def __enter__(self) -> Film:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        fault: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+def _open(stem: Path, rate_hz: float, size: tuple[int, int]) -> _Mp4 | _WebM:
+    try:
+        av = importlib.import_module("av")
+    except ImportError:
+        return _WebM(stem.with_suffix(".webm"), rate_hz, size)
+    if "libx264" not in av.codecs_available:
+        return _WebM(stem.with_suffix(".webm"), rate_hz, size)
+    return _Mp4(av, stem.with_suffix(".mp4"), rate_hz, size)
+
+
+class _Mp4:
+    def __init__(self, av: Any, path: Path, rate_hz: float, size: tuple[int, int]) -> None:
+        self.path = path
+        self._frame = av.VideoFrame.from_ndarray
+        # The index goes to the front, so that a browser can start before it has all.
+        self._file = av.open(str(path), "w", options={"movflags": "faststart"})
+        rate = Fraction(rate_hz).limit_denominator(1001)
+        gap = max(1, round(KEY_FRAME_S * rate_hz))
+        options = {"crf": "23", "preset": "veryfast", "g": str(gap), "threads": "1"}
+        self._stream = self._file.add_stream("libx264", rate=rate, options=options)
+        self._stream.width, self._stream.height = size
+        self._stream.pix_fmt = "yuv420p"  # the one that every player knows
+
+    def add(self, picture: np.ndarray) -> None:
+        self._file.mux(self._stream.encode(self._frame(picture, format="bgr24")))
+
+    def close(self) -> None:
+        self._file.mux(self._stream.encode(None))
+        self._file.close()
+
+
+class _WebM:
+    def __init__(self, path: Path, rate_hz: float, size: tuple[int, int]) -> None:
+        self.path = path
+        fourcc = cv2.VideoWriter.fourcc(*"VP80")
+        self._file = cv2.VideoWriter(str(path), fourcc, rate_hz, size)
+        if not self._file.isOpened():
+            raise InfrastructureError(
+                f"{path.name}: no encoder for films here; install the extra pjpdaf-bench[video]."
+            )
+
+    def add(self, picture: np.ndarray) -> None:
+        self._file.write(picture)
+
+    def close(self) -> None:
+        self._file.release()
