@@ -17,8 +17,7 @@ from pebble import ProcessExpired, ProcessFuture, ProcessPool
 from pjpdaf.errors import BenchError, InfrastructureError
 from reports.records import EpisodeFailure
 from reports.rows import EpisodeRows, rows_of
-from scenarios.play import Job, play
-from scenarios.spec import digest
+from scenarios.play import Job, digest_of, play
 from sim.contact import Unposable
 
 EPISODE_TIME_LIMIT_S = 900.0
@@ -91,9 +90,9 @@ def play_all(
 ) -> Played:
     """Play all jobs on `workers` processes.
 
-    A worker that dies is replaced and its episode played again, three times at most; an episode over
-    its time limit, or that raises, becomes a failed episode. Ctrl-C ends the run and keeps what
-    is finished. The order of the rows and their contents do not depend on `workers`.
+    A worker that dies is replaced and its episode played again, three times at most; an episode
+    over its time limit, or that raises, becomes a failed episode. Ctrl-C ends the run and keeps
+    what is finished. Neither the rows nor their order depend on `workers`.
     Raises BenchError (the first in the order of the jobs) where the user's input is at fault.
     """
     results: dict[int, EpisodeRows] = {}
@@ -149,7 +148,7 @@ def _outcome(
 
 def _failure(job: Job, reason: str) -> EpisodeRows:
     scenario = job.scenario
-    failure = EpisodeFailure(scenario.name, job.seed, reason, scenario.group, digest(scenario))
+    failure = EpisodeFailure(scenario.name, job.seed, reason, scenario.group, digest_of(job))
     return rows_of(failure)
 
 

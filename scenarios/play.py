@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pjpdaf.camera import StereoRig
-from pjpdaf.interfaces import Detections, Detector, Estimates, Tracker
+from pjpdaf.interfaces import Detector, Estimates, Tracker
 from pjpdaf.registry import make_detector, make_tracker
 from reports.overlay import overlay_jpeg
 from reports.records import Episode, FrameOutcome, Picture
@@ -40,6 +42,15 @@ class Job:
     overrides: Mapping[str, Value]
     system: System
     keep_pictures: bool = False
+
+
+def digest_of(job: Job) -> str:
+    """SHA-256 of an episode: scenario, seed, changed values. Same digest, same pictures.
+
+    The system under test is not part of it, so that runs of two trackers can be paired.
+    """
+    changes = json.dumps(dict(job.overrides), sort_keys=True)
+    return hashlib.sha256(f"{digest(job.scenario)} {job.seed} {changes}".encode()).hexdigest()
 
 
 def parts_of(system: System, rig: StereoRig) -> tuple[Detector, Tracker[Any]]:
@@ -99,14 +110,14 @@ def play(job: Job) -> Episode:
             fps=performance.fps,
             cameras=simulation.rig.cameras,
             frames=tuple(outcomes),
-            digest=digest(job.scenario),
+            digest=digest_of(job),
             values=concrete(job.scenario, job.seed, job.overrides),
             pictures=() if gallery is None else tuple(gallery.pictures),
         )
 
 
 class _Gallery:
-    """Chooses the frames of an episode that are kept as pictures: evenly, and where merges change."""
+    """Chooses the frames that are kept as pictures: evenly spaced, and where merges change."""
 
     def __init__(self, frames: int) -> None:
         step = max(1, (frames - 1) // (EVENLY_SPACED_PICTURES - 1)) if frames > 1 else 1
@@ -128,6 +139,3 @@ class _Gallery:
 
     def add(self, picture: Picture) -> None:
         self.pictures.append(picture)
-
-
-__all__ = ["Detections", "Job", "System", "play"]

@@ -281,7 +281,7 @@ def _drink(stage: Stage) -> Plan:
 # --- cross and bounce: one approach, two outcomes ------------------------------------------------
 
 
-_RISE_M = 0.025  # of the farther hand over the nearer one: keeps it out of the other's forearm
+_RISE_M = 0.01  # of the farther hand over the nearer one: keeps it out of the other's forearm
 
 
 @dataclass(frozen=True, eq=False)

@@ -57,7 +57,7 @@ class RigSpec:
     baseline_m: float = 0.09
     height_m: float = 1.35
     distance_m: float = 1.30  # along x from the mid-shoulder point to the mid-point of the cameras
-    tilt_rad: float = 0.18  # downwards
+    tilt_rad: float = 0.29  # downwards
     vergence_rad: float = 0.0  # total angle between the optical axes
     width_px: int = 640
     height_px: int = 480

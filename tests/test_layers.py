@@ -21,7 +21,9 @@ def test_import_contract_is_kept():
 def test_package_inits_are_docstrings_alone():
     for package in ("pjpdaf", "sim", "reports", "scenarios"):
         text = (ROOT / package / "__init__.py").read_text().strip()
-        assert text.startswith('"""') and text.endswith('"""') and text.count('"""') == 2, package
+        assert text.startswith('"""'), package
+        assert text.endswith('"""'), package
+        assert text.count('"""') == 2, package
 
 
 def test_pjpdaf_alone_loads_no_simulator():

@@ -166,6 +166,15 @@ def test_cross_changes_sides_and_holds_and_bounce_does_not():
         assert (path[:, 1, 1] > 0).all()
 
 
+def test_cross_keeps_its_declared_speed_all_the_way():
+    for seed in SEEDS:
+        declared = concrete(load_scenario("cross"), seed)["speed"]
+        event, script = cues("cross", seed)["cross"], performance("cross", seed).script
+        times = np.arange(event.from_s, event.to_s, 0.02).tolist()
+        path = np.array([[a.palm_m for a in script.body(t).arms] for t in times])
+        assert speeds(path, 0.02).max() == pytest.approx(declared, rel=0.1, abs=0.02)
+
+
 def test_bounce_touches():
     for seed in SEEDS:
         script = performance("bounce", seed).script
@@ -292,9 +301,9 @@ def test_speed_of_building(benchmark, name):
 
 
 def test_hands_that_brush_past_each_other_still_move_smoothly():
-    """The least depth gap: contact projection works in the middle of the stroke."""
-    played = perform(load_scenario("cross"), 2, {"depth_gap": 0.04, "speed": 0.3, "bow": 0.0})
+    """A gap so small that contact projection works in the middle of the stroke."""
+    played = perform(load_scenario("cross"), 2, {"depth_gap": 0.055, "speed": 0.3, "bow": 0.0})
     event = next(cue for cue in played.script.plan.cues if cue.name == "cross")
     times = np.arange(event.from_s, event.to_s, 0.02).tolist()
     path = np.array([[a.palm_m for a in played.script.body(t).arms] for t in times])
-    assert speeds(path, 0.02).max() < 1.0  # no hand jumps: 0.3 m/s, and the way round the other
+    assert speeds(path, 0.02).max() < 0.9  # no jump: 0.3 m/s, and the way round the other
