@@ -137,7 +137,9 @@ class DetectorParameters:
 
 Measurement = Literal["thesis", "centred", "jacobian"]
 Clutter = Literal["density", "relative", "area"]
-Update = Literal["stacked", "stacked_detected", "stacked_weighted", "sequential", "most_probable"]
+Update = Literal[
+    "stacked", "stacked_detected", "stacked_weighted", "sequential", "fused", "most_probable"
+]
 
 
 @dataclass(frozen=True)
@@ -151,8 +153,9 @@ class TrackerParameters:
     by the image's area.
     update: 'stacked' Eq. 3.39-3.44 as printed; 'stacked_detected' the same without the views in
     which the gate is empty; 'stacked_weighted' each view's noise divided by its 1 - beta_0n;
-    'sequential' each view's own PDA update in turn; 'most_probable' the likeliest measurement of
-    each view, taken as certain, in an ordinary Kalman update (Eq. 3.10-3.12).
+    'sequential' each view's own PDA update in turn; 'fused' each view's own PDA update of the
+    prediction, their information added up; 'most_probable' the likeliest measurement of each view,
+    taken as certain, in an ordinary Kalman update (Eq. 3.10-3.12).
     beta_0 (Eq. 3.42): 'sum' as printed; 'product' what its words say.
     occlusion (Eq. 3.23), the views left out for a target: 'shared_measurement' a measurement lies
     in two targets' gates; 'fewer_measurements' a cluster of gates holds fewer measurements than
@@ -162,7 +165,7 @@ class TrackerParameters:
 
     measurement: Measurement = "jacobian"
     clutter_reading: Clutter = "relative"
-    update: Update = "sequential"
+    update: Update = "fused"
     beta_0: Literal["sum", "product"] = "product"
     occlusion: Literal["shared_measurement", "fewer_measurements", "none"] = "fewer_measurements"
     process: Literal["per_frame", "scaled"] = "scaled"
@@ -323,8 +326,8 @@ _THESIS = Preset(
         min_area_px=500.0, reference_focal_px=0.0, reference_depth_m=0.0, merge_fragments=False
     ),
     TrackerParameters(
-        process_position_m2=16 * 50 * MM2,
-        process_velocity_m2ps2=64 * 5 * MM2_PER_FRAME2,
+        process_position_m2=64 * 50 * MM2,
+        process_velocity_m2ps2=0.0,
     ),
     (
         *_COMMON,

@@ -74,7 +74,7 @@ class _Mp4:
         self._file = av.open(str(path), "w", options={"movflags": "faststart"})
         rate = Fraction(rate_hz).limit_denominator(1001)
         gap = max(1, round(KEY_FRAME_S * rate_hz))
-        options = {"crf": "23", "preset": "veryfast", "g": str(gap), "threads": "1"}
+        options = {"crf": "26", "preset": "veryfast", "g": str(gap), "threads": "1"}
         self._stream = self._file.add_stream("libx264", rate=rate, options=options)
         self._stream.width, self._stream.height = size
         self._stream.pix_fmt = "yuv420p"  # the one that every player knows

@@ -48,7 +48,7 @@ def track_rows(
     Positions and standard deviations [m] are in the world of the cameras, which for real footage
     is the left camera's frame; pixels are those of the real, distorted pictures.
     """
-    known = np.isfinite(estimates.positions_m).all(axis=1)
+    known = [bool(np.isfinite(position).all()) for position in estimates.positions_m]
     pixels = np.concatenate([_real_pixels(c, estimates.positions_m) for c in cameras], axis=1)
     variances = np.einsum("tii->ti", estimates.covariances_m2)
     sd_m = np.sqrt(np.maximum(variances, 0.0))
@@ -67,7 +67,7 @@ def _real_pixels(camera: Camera, positions_m: Floats) -> Floats:
     """Pixels (T, 2) in the real picture, NaN where there is no position in front of the camera."""
     ideal = project(camera, positions_m)
     real = np.full_like(ideal, np.nan)
-    seen = np.isfinite(ideal).all(axis=1)
+    seen = ~np.isnan(ideal[:, 0])
     real[seen] = distort_points(camera, ideal[seen])
     return real
 

@@ -106,6 +106,119 @@ def report(
 
 
 @app.command()
+def track(
+    left: Annotated[
+        Path, typer.Option(metavar="DIR|VIDEO", help="Left view: folder, pattern or video.")
+    ],
+    right: Annotated[Path, typer.Option(metavar="DIR|VIDEO", help="Right view, likewise.")],
+    calibration: Annotated[
+        tuple[Path, Path],
+        typer.Option(
+            metavar="INTRINSICS EXTRINSICS", help="Files as OpenCV's stereo sample writes them."
+        ),
+    ],
+    out: Annotated[Path, typer.Option(metavar="DIR", help="New folder for all results.")],
+    background_left: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Person-free pictures, left view.")
+    ] = None,
+    background_right: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Person-free pictures, right view.")
+    ] = None,
+    background_first: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Instead: the footage's first N frames are person-free."),
+    ] = None,
+    fps: Annotated[
+        float | None, typer.Option(help="Frames a second [the video's own; 3 for folders].")
+    ] = None,
+    preset: Annotated[
+        str, typer.Option(help="Detector and tracker of this preset: thesis, thesis-literal.")
+    ] = "thesis",
+    detector: Annotated[
+        str | None, typer.Option(help="Preset, entry point or module:factory.")
+    ] = None,
+    tracker: Annotated[
+        str | None, typer.Option(help="Preset, entry point or module:factory.")
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", metavar="KEY=VALUE", help="Change detector.NAME or tracker.NAME. Repeatable."
+        ),
+    ] = None,
+    skin_sample: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Picture cropped to skin, to learn its colour from."),
+    ] = None,
+    unit: Annotated[
+        str,
+        typer.Option(help="Unit of the calibration's T: m, cm, mm, in, or a number of metres."),
+    ] = "m",
+) -> None:
+    """Track head and hands in real footage: tracks.csv, tracks.parquet, overlay film, report page.
+
+    Positions are in the left camera's frame (OpenCV: x right, y down, z forward), in metres.
+    """
+    from scenarios.track import TrackRequest
+    from scenarios.track import track as track_footage
+
+    track_footage(
+        TrackRequest(
+            left=left,
+            right=right,
+            calibration=calibration,
+            background_left=background_left,
+            background_right=background_right,
+            background_first=background_first,
+            fps=fps,
+            preset=preset,
+            detector=detector or preset,
+            tracker=tracker or preset,
+            settings=tuple(settings or ()),
+            skin_sample=skin_sample,
+            unit=unit,
+            out=out,
+            argv=tuple(sys.argv[1:]),
+        )
+    )
+
+
+@app.command()
+def calibrate(
+    left: Annotated[
+        Path, typer.Option(metavar="DIR|VIDEO", help="Left view: folder, pattern or video.")
+    ],
+    right: Annotated[Path, typer.Option(metavar="DIR|VIDEO", help="Right view, likewise.")],
+    board: Annotated[
+        str, typer.Option(metavar="9x6", help="Inner corners of the board, columns x rows.")
+    ],
+    square: Annotated[float, typer.Option(metavar="M", help="Side of a square [m].")],
+    out: Annotated[Path, typer.Option(metavar="DIR", help="New folder for all results.")],
+    charuco: Annotated[
+        str | None,
+        typer.Option(metavar="DICT", help="ChArUco board with markers such as DICT_4X4_50."),
+    ] = None,
+    marker: Annotated[
+        float | None, typer.Option(metavar="M", help="Side of a ChArUco marker [m].")
+    ] = None,
+    coefficients: Annotated[
+        int, typer.Option(help="Coefficients of the lens model: 4, 5, 8, 12 or 14.")
+    ] = 5,
+) -> None:
+    """Calibrate two cameras from pictures of a chessboard or ChArUco board.
+
+    Writes intrinsics.yml and extrinsics.yml as OpenCV's stereo sample does, the corners found, and
+    a rectified pair.
+    """
+    from scenarios.calibrate import CalibrateRequest
+    from scenarios.calibrate import calibrate as calibrate_cameras
+
+    calibrate_cameras(
+        CalibrateRequest(left, right, board, square, charuco, marker, coefficients, out)
+    )
+
+
+@app.command()
 def doctor() -> None:
     """Say whether this machine can run everything, and what to install where it cannot."""
     from scenarios.doctor import examine
