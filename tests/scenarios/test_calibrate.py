@@ -1,19 +1,12 @@
 """`calibrate` as users start it, on boards that sim rendered through a known lens."""
 
-import os
-import re
-import subprocess
-import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import cv2
 import numpy as np
 import pytest
 
 from pjpdaf.boards import Board, charuco_board
-from pjpdaf.calibrate import calibrate
-from pjpdaf.calibration import read_rig
 from pjpdaf.camera import Camera, StereoRig
 from sim.gl import load_mujoco
 from sim.render import StereoRenderer
@@ -67,27 +60,17 @@ def poses(board):
 
 
 def board_world(board, rig):
-    """A lit room with nothing but the board: a thin textured box whose front is the board."""
+    """Nothing but the board."""
     mujoco = load_mujoco()
     spec = mujoco.MjSpec()
-    spec.visual.headlight.active = 0
-    spec.worldbody.add_light(
-        name="sky",
-        pos=[0, 0, -1],
-        dir=[0, 0, 1],
-        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
-        ambient=[0.5, 0.5, 0.5],
-        diffuse=[0.4, 0.4, 0.4],
-        specular=[0, 0, 0],
-        castshadow=False,
-    )
+    spec.visual.headlight.active = 0  # the board shines by itself: no shading
     grey = texture(board)
     height, width = grey.shape
     picture = spec.add_texture(
         name="board", type=mujoco.mjtTexture.mjTEXTURE_2D, width=width, height=height, nchannel=3
     )
     picture.data = np.ascontiguousarray(np.repeat(grey[..., None], 3, axis=2)).tobytes()
-    material = spec.add_material(name="board", specular=0, shininess=0)
+    material = spec.add_material(name="board", emission=0.9, specular=0, shininess=0)
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "board"
     half = np.array([width, height]) / TEXTURE_PX * board.square_m / 2
     body = spec.worldbody.add_body(name="board", mocap=True)
@@ -95,7 +78,7 @@ def board_world(board, rig):
     x, y = half
     vertices = np.array([[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0], [0, 0, 0.001]])
     faces = [[0, 2, 1], [0, 3, 2], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]
-    corners = np.array([[0, 1], [1, 1], [1, 0], [0, 0], [0.5, 0.5]])
+    corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0.5]])
     spec.add_mesh(
         name="board",
         uservert=vertices.ravel().tolist(),
