@@ -398,29 +398,22 @@ def _fused(parameters: TrackerParameters, prior: Prior, seen: Association) -> tu
     P^-1 = P0^-1 + sum_n (P_n^-1 - P0^-1), P0 the prediction's, and the same for P^-1 x: exact where
     origins are certain, and the order of the views does not matter. A view whose doubt leaves P_n
     above P0 in some direction adds nothing there instead of taking information away, so P stays
-    positive.
+    positive. Worked in coordinates in which P0 is the identity.
     """
     used = seen.present & ~seen.merged
-    information = np.linalg.inv(prior.P)
-    pulled = (information @ prior.mean[..., None])[..., 0]
     root = np.linalg.cholesky(prior.P)  # P0 = root root^T
-    back = np.linalg.inv(root)
-    total, shift = information, np.zeros_like(prior.mean)
-    for n in range(used.shape[1]):
-        here, z = used[:, n], np.where(used[:, n, None], seen.innovation[:, n], 0.0)
-        H = np.where(here[:, None, None], prior.H[:, n], 0.0)
-        theta = seen.theta[:, n]
-        views = Stacked(z, H, np.broadcast_to(prior.R, theta.shape))
-        beta_0 = np.where(here, seen.beta_0[:, n], 1.0)
-        mean, P = probabilistic_update(prior.mean, prior.P, views, beta_0, _spread(z, theta, here))
-        gained = root.swapaxes(1, 2) @ np.linalg.inv(P) @ root - np.eye(prior.P.shape[-1])
-        share, axes = np.linalg.eigh(symmetric(gained))
-        axes = back.swapaxes(1, 2) @ axes
-        added = (axes * np.maximum(share, 0.0)[:, None, :]) @ axes.swapaxes(1, 2)
-        total = total + added
-        shift = shift + ((information + added) @ mean[..., None])[..., 0] - pulled
-    P = symmetric(np.linalg.inv(total))
-    return (P @ (pulled + shift)[..., None])[..., 0], P
+    z = np.where(used[..., None], seen.innovation, 0.0)
+    H = prior.H @ root[:, None]  # (T, N, r, 6)
+    HT = H.swapaxes(-1, -2)
+    K = HT @ np.linalg.inv(H @ HT + prior.R)
+    detected = np.where(used, 1.0 - seen.beta_0, 0.0)[..., None, None]
+    one = np.eye(H.shape[-1])
+    P = one - detected * (K @ H) + K @ _spread(z, seen.theta, used) @ K.swapaxes(-1, -2)
+    variances, axes = np.linalg.eigh(symmetric(P))
+    information = (axes * np.maximum(1.0 / variances, 1.0)[..., None, :]) @ axes.swapaxes(-1, -2)
+    pulled = (information @ (K @ z[..., None])).sum(axis=1)
+    P = root @ np.linalg.inv(one + (information - one).sum(axis=1))
+    return prior.mean + (P @ pulled)[..., 0], symmetric(P @ root.swapaxes(-1, -2))
 
 
 def _most_probable(

@@ -141,7 +141,8 @@ class TrackRecord:
                 "more detections in both."
             )
         shares = ", ".join(
-            f"{LABELS[line.target]} {100 * line.shares['tracked']:.0f} %" for line in self.lines()
+            f"{LABELS[line.target]} {100 * line.shares['tracked']:.0f}\N{NO-BREAK SPACE}%"
+            for line in self.lines()
         )
         return (
             f"Tracking began at frame {self.first_frame} ({self.first_s:.1f} s). "
@@ -313,7 +314,7 @@ def paths_figure(samples: Sequence[Sample]) -> Figure:
         "scene": {
             **axes,
             "aspectmode": "data",
-            "camera": {"eye": {"x": -0.9, "y": -2.0, "z": 0.7}},
+            "camera": {"eye": {"x": -1.0, "y": -2.25, "z": 0.75}},
         },
     }
     return {"data": traces, "layout": layout}
@@ -340,7 +341,8 @@ def time_figure(samples: Sequence[Sample], missing_frames: Sequence[int]) -> Fig
                     "line": {"color": f"@{target}", "dash": DASHES[target], "width": 1.8},
                     "marker": {
                         "symbol": [
-                            SYMBOLS[target] + ("" if s.status[t] == "tracked" else "-open")
+                            SYMBOLS[target]
+                            + ("-open" if s.status[t] in ("coasting", "lost") else "")
                             for s in samples
                         ],
                         "size": 5,
@@ -397,7 +399,7 @@ def _bars(samples: Sequence[Sample]) -> list[Figure]:
     ends.append(samples[-1].time_s + step if samples else 0.0)
     traces: list[Figure] = []
     for t, target in enumerate(TARGETS):
-        colours = {"tracked": f"@{target}", "coasting": f"@{target}_thin", "lost": "@lost"}
+        colours = {"tracked": f"@{target}", "coasting": f"@{target}_thin", "lost": "@ink"}
         for status, colour in colours.items():
             x: list[float | None] = []
             for sample, end in zip(samples, ends, strict=True):

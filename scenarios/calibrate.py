@@ -98,8 +98,8 @@ def _print(report: CalibrationReport, out: Console, folder: Path, names: list[Pa
         ]
         words = "" if pair.used else f"dropped: {pair.reason}"
         table.add_row(Path(pair.left).name, Path(pair.right).name, *errors, words)
-    # Not on a screen: wide enough that no name or reason is cut.
-    out.print(table, width=None if out.is_terminal else 200, markup=False)
+    # Not on a screen: wide enough that no reason is wrapped.
+    (out if out.is_terminal else Console(width=200)).print(table)
     rig = report.rig
     lines = [
         f"{report.used} of {len(report.pairs)} pairs used; reprojection RMS: left "
@@ -117,10 +117,6 @@ def _print(report: CalibrationReport, out: Console, folder: Path, names: list[Pa
         )
         lens = ", ".join(f"{c:.4f}" for c in camera.distortion)
         lines.append(f"{view}: {numbers} px; distortion {lens}")
-    dropped = [pair for pair in report.pairs if not pair.used]
-    if dropped:
-        listed = "; ".join(f"{Path(p.left).name} ({p.reason})" for p in dropped)
-        lines.append(f"dropped: {listed}")
     top = [str(name) for name in names if len(name.parts) == 1]
     lines.append(f"written to {folder}: {', '.join(top)}, corners/ ({len(names) - len(top)})")
     for line in lines:

@@ -174,3 +174,10 @@ def info() -> GLInfo:
 def describe() -> str:
     """What renders here, in one line. Raises InfrastructureError where nothing does."""
     return str(info())
+
+
+if __name__ == "__main__":  # asked by the wrapper `bench`: does OpenGL render here?
+    try:
+        print(describe())
+    except InfrastructureError as fault:
+        sys.exit(str(fault))
