@@ -11,7 +11,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from pjpdaf.errors import InfrastructureError
+from pjpdaf.errors import BenchError, InfrastructureError
 
 KEY_FRAME_S = 3.0  # a player can jump to every such moment
 
@@ -19,7 +19,8 @@ KEY_FRAME_S = 3.0  # a player can jump to every such moment
 class Film:
     """Writes pictures (h, w, 3) uint8 BGR of one size, one at a time.
 
-    `path` is known after the first picture. Raises InfrastructureError where no encoder opens.
+    `path` is known after the first picture. Raises InfrastructureError where no encoder opens,
+    BenchError where the disk refuses.
     """
 
     def __init__(self, folder: Path, stem: str, rate_hz: float) -> None:
@@ -33,16 +34,22 @@ class Film:
         height, width = picture.shape[:2]
         # Colour is stored at half resolution: both sides must be even.
         even = np.pad(picture, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
-        if self._writer is None:
-            self._writer = _open(self._stem, self._rate_hz, (even.shape[1], even.shape[0]))
-            self.path = self._writer.path
-        self._writer.add(even)
+        try:
+            if self._writer is None:
+                self._writer = _open(self._stem, self._rate_hz, (even.shape[1], even.shape[0]))
+                self.path = self._writer.path
+            self._writer.add(even)
+        except OSError as error:
+            raise self._fault(error) from error
 
     def close(self) -> None:
         """Finish the file; safe to call twice."""
-        if self._writer is not None:
-            self._writer.close()
-            self._writer = None
+        writer, self._writer = self._writer, None
+        try:
+            if writer is not None:
+                writer.close()
+        except OSError as error:
+            raise self._fault(error) from error
 
     def __enter__(self) -> Film:
         return self
@@ -54,6 +61,9 @@ class Film:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+    def _fault(self, error: OSError) -> BenchError:
+        return BenchError(f"{self._stem}: cannot write the film: {error.strerror or error}.")
 
 
 def _open(stem: Path, rate_hz: float, size: tuple[int, int]) -> _Mp4 | _WebM:

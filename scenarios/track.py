@@ -103,7 +103,8 @@ def track(request: TrackRequest) -> None:
         plan = plan_of(request, say)
         with _Stop() as stop:
             record, film = _follow(plan, part, console, say, stop)
-            facts = _facts(plan, film, complete=not stop.asked)
+            interrupted = stop.asked
+            facts = _facts(plan, film, complete=not interrupted)
             write_text(part / "report.html", track_page(record, facts))
             _write_json(part / "track.json", plan, record, facts)
     out = Console()
@@ -116,7 +117,7 @@ def track(request: TrackRequest) -> None:
         f"report: {request.out / 'report.html'}",
     ):
         out.print(line, markup=False, highlight=False, soft_wrap=True)
-    if stop.asked:
+    if interrupted:
         raise Interrupted(
             f"interrupted: the first {record.frames} frames are saved in {request.out}"
         )
