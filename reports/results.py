@@ -116,9 +116,9 @@ def check_free(folder: Path, *, force: bool = False) -> None:
         if not any(folder.iterdir()):
             return
         if not force:
-            raise BenchError(f"{folder}: exists and is not empty; give another folder or --force.")
+            raise BenchError(f"{folder}: exists and is not empty; give another folder.")
         if not (folder / "run.json").is_file():
-            raise BenchError(f"{folder}: is not a saved run, so --force does not replace it.")
+            raise BenchError(f"{folder}: is not a saved run, so it is not replaced.")
     except OSError as error:
         raise BenchError(f"{folder}: cannot write the run: {error.strerror or error}.") from error
 

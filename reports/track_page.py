@@ -23,7 +23,7 @@ from reports.records import Picture
 from reports.tables import LABELS, count
 
 MAX_SAMPLES = 2000  # of the curves; longer footage is thinned, so that memory and page stay small
-MAX_EVEN_PICTURES = 8
+MAX_EVEN_PICTURES = 12
 MAX_EVENT_PICTURES = 5
 MAX_NAMED = 20  # missing pictures that the page names
 FILM_BYTES = 6_000_000  # a longer film is linked, not put inside
@@ -138,7 +138,8 @@ class TrackRecord:
             return (
                 "Tracking never began: it waits for a frame in which head and both hands are found "
                 f"in both views. {count(self.enough_seen, 'frame')} of {self.frames} had three or "
-                "more detections in both."
+                "more detections in both. The pictures show what was detected; a sample of the "
+                "skin (--skin-sample) or a better background may help."
             )
         shares = ", ".join(
             f"{LABELS[line.target]} {100 * line.shares['tracked']:.0f}\N{NO-BREAK SPACE}%"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from pathlib import Path
@@ -148,7 +149,11 @@ def track(
     ] = None,
     skin_sample: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Picture cropped to skin, to learn its colour from."),
+        typer.Option(
+            metavar="FILE|head",
+            help="Learn the skin's colour from a picture cropped to skin, or from the head in the "
+            "first frames.",
+        ),
     ] = None,
     unit: Annotated[
         str,
@@ -302,6 +307,12 @@ def main() -> None:
         # The reader of our output went away (| head): not our fault, and nothing to say it to.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise SystemExit(0) from None
+    except OSError as fault:
+        if fault.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
+            raise
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.stderr.write(f"pjpdaf-bench: cannot write the output: {fault.strerror}\n")
+        raise SystemExit(5) from None
 
 
 if __name__ == "__main__":

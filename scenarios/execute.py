@@ -5,10 +5,12 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import threading
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import TimeoutError as FutureTimeout
 from concurrent.futures import wait
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -44,9 +46,28 @@ class Played:
 def _prepare_worker() -> None:
     # Ctrl-C reaches the whole process group; only the parent decides what happens then.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     import cv2
 
     cv2.setNumThreads(1)
+
+
+def _end_with_parent() -> None:
+    # However the parent ended (kill, a closed terminal), nobody waits for this episode any more.
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+@contextmanager
+def _interrupt_deferred() -> Iterator[None]:
+    """Ctrl-C waits until the block ends; processes and threads started in it never get it."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _check_renderer() -> str:
@@ -165,7 +186,9 @@ def _pool(workers: int) -> ProcessPool:
 
 def _renderer_of(pool: ProcessPool) -> str:
     try:
-        described: str = pool.schedule(_check_renderer, timeout=120).result()
+        with _interrupt_deferred():  # the first task starts the workers
+            future = pool.schedule(_check_renderer, timeout=120)
+        described: str = future.result()
     except FutureTimeout as fault:
         pool.stop()
         raise InfrastructureError(
@@ -179,5 +202,7 @@ def _renderer_of(pool: ProcessPool) -> str:
         ) from fault
     except BaseException:
         pool.stop()
+        for worker in multiprocessing.active_children():
+            worker.kill()  # one that is still starting would print what it misses
         raise
     return described

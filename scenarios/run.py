@@ -201,7 +201,7 @@ def run_suite(request: RunRequest) -> None:
     started = time.perf_counter()
     played = _play_with_progress(jobs, workers, console)
     if not played.rows:
-        raise BenchError("interrupted before any episode was finished; nothing saved")
+        raise Interrupted("interrupted before any episode was finished; nothing saved")
     wall_s = time.perf_counter() - started
     info = RunInfo(
         name=folder.name,

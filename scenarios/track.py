@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import itertools
 import json
@@ -24,12 +25,13 @@ from rich.progress import (
 )
 
 from pjpdaf.calibration import read_rig
-from pjpdaf.camera import StereoRig
+from pjpdaf.camera import StereoRig, undistort_picture
+from pjpdaf.detector import SkinDetector, with_skin
 from pjpdaf.errors import BenchError
 from pjpdaf.interfaces import AnyTracker, Detector, Estimates
-from pjpdaf.parameters import PRESETS, find_preset, override
+from pjpdaf.parameters import PRESETS, find_preset, override, with_values
 from pjpdaf.registry import make_detector, make_tracker
-from pjpdaf.skin import learn_skin_range
+from pjpdaf.skin import SkinRange, learn_skin_from_head, learn_skin_range
 from pjpdaf.sources import (
     FOLDER_RATE_HZ,
     Video,
@@ -48,6 +50,9 @@ from scenarios.folder import written_whole
 from scenarios.run import Interrupted, read_settings
 
 UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
+HEAD = "head"  # as --skin-sample: learn from the head in the first frames
+HEAD_FRAMES = 30
+BROAD_SKIN = SkinRange((340.0, 50.0), (0.1, 0.85), 0.15)  # anyone's, in any usual light
 LARGE_BASELINE_M = 1.0  # two cameras that see one table are nearer
 
 
@@ -102,6 +107,8 @@ def track(request: TrackRequest) -> None:
     with written_whole(request.out) as part:
         plan = plan_of(request, say)
         with _Stop() as stop:
+            with console.status("learning the background"):
+                plan = _learnt(plan, say)
             record, film = _follow(plan, part, console, say, stop)
             interrupted = stop.asked
             facts = _facts(plan, film, complete=not interrupted)
@@ -215,7 +222,7 @@ def _first_size(request: TrackRequest) -> tuple[int, int]:
 
 def _skin(sample: Path | None) -> dict[str, Any]:
     """Detector parameters from a picture of skin."""
-    if sample is None:
+    if sample is None or sample == Path(HEAD):
         return {}
     if not sample.is_file():
         raise BenchError(f"{sample}: no such skin sample; give a picture cropped to skin.")
@@ -226,6 +233,11 @@ def _skin(sample: Path | None) -> dict[str, Any]:
         skin = learn_skin_range(picture)
     except BenchError as fault:
         raise BenchError(f"{sample}: {fault}") from None
+    return skin_values(skin)
+
+
+def skin_values(skin: SkinRange) -> dict[str, Any]:
+    """A skin range as parameters of the detector."""
     return {
         "hue_range_deg": skin.hue_deg,
         "saturation_range": skin.saturation,
@@ -233,7 +245,47 @@ def _skin(sample: Path | None) -> dict[str, Any]:
     }
 
 
-def _learnt(plan: Plan, say: Callable[[str], None]) -> Detector:
+def _learnt(plan: Plan, say: Callable[[str], None]) -> Plan:
+    """The plan with a detector that knows scene and skin. Raises BenchError."""
+    detector = _with_background(plan, say)
+    if plan.request.skin_sample != Path(HEAD):
+        return dataclasses.replace(plan, detector=detector)
+    if not isinstance(detector, SkinDetector):
+        raise BenchError(f"--skin-sample {HEAD} is of the presets' detector; give a picture.")
+    values = skin_values(_skin_of_head(plan, detector))
+    given = read_settings(plan.request.settings).detector
+    values = {key: value for key, value in values.items() if key not in given}
+    parameters = with_values(detector.parameters, values)
+    named = {f"detector.{key}": value for key, value in values.items()}
+    return dataclasses.replace(
+        plan,
+        detector=dataclasses.replace(detector, parameters=parameters),
+        parameters={**plan.parameters, **named},
+        changed={**plan.changed, **named},
+    )
+
+
+def _skin_of_head(plan: Plan, detector: SkinDetector) -> SkinRange:
+    """Skin range from the highest skin-like thing that is not background (thesis 3.6)."""
+    request = plan.request
+    start = request.background_first or 0
+    frames = stereo_frames(request.left, request.right, plan.rate_hz, plan.sizes_px)
+    broad = dataclasses.replace(
+        detector, parameters=with_skin(detector.parameters, BROAD_SKIN), keep_masks=True
+    )
+    whole = detector.parameters.undistort == "picture"
+    pictures, masks = [], []
+    for frame in itertools.islice(frames, start, start + HEAD_FRAMES):
+        for camera, picture, seen in zip(
+            plan.rig.cameras, frame.pictures, broad(frame), strict=True
+        ):
+            if picture is not None and seen.mask is not None:
+                pictures.append(undistort_picture(camera, picture) if whole else picture)
+                masks.append(seen.mask)
+    return learn_skin_from_head(pictures, BROAD_SKIN, masks)
+
+
+def _with_background(plan: Plan, say: Callable[[str], None]) -> Detector:
     """The detector with the person-free scene. Raises BenchError."""
     request = plan.request
     if request.background_first is not None:
@@ -269,9 +321,8 @@ def _follow(
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task("background", total=plan.total)
-        detector, tracker = _learnt(plan, say), plan.tracker
-        progress.update(task, description="tracking")
+        task = progress.add_task("tracking", total=plan.total)
+        detector, tracker = plan.detector, plan.tracker
         frames = stereo_frames(request.left, request.right, plan.rate_hz, plan.sizes_px, say)
         state: Any = None
         previous_s = 0.0

@@ -160,7 +160,7 @@ def test_an_interrupt_while_replacing_keeps_the_old_run(run, played, monkeypatch
 
 
 def test_an_existing_folder(run, played, tmp_path):
-    with pytest.raises(BenchError, match="exists and is not empty; give another folder or --force"):
+    with pytest.raises(BenchError, match="exists and is not empty; give another folder"):
         save(run, played, INFO)
     save(run, played[:1], INFO, force=True)
     assert len(load(run).meta["timing"]) == 1
@@ -168,7 +168,7 @@ def test_an_existing_folder(run, played, tmp_path):
     save(tmp_path / "blank", played[:1], INFO)
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.tex").write_text("years of work")
-    with pytest.raises(BenchError, match="is not a saved run, so --force does not replace it"):
+    with pytest.raises(BenchError, match="is not a saved run, so it is not replaced"):
         save(tmp_path / "mine", played, INFO, force=True)
     (tmp_path / "file").write_text("")
     with pytest.raises(BenchError, match="is a file; give a new folder"):

@@ -276,6 +276,19 @@ def test_videos_settings_rate_unit_and_skin_sample(footage, tmp_path):
     assert {"tracker.p_detect", "detector.hue_range_deg"} <= set(changed)
 
 
+def test_skin_learnt_from_the_head(footage, tmp_path):
+    out = tmp_path / "out"
+    setting = "detector.value_min=0.15"
+    done = track(footage, out, skin_sample="head", set=setting, preset="thesis-literal")
+    assert done.returncode == 0, done.stderr
+    parameters = json.loads((out / "track.json").read_text())["parameters"]
+    low, high = parameters["detector.hue_range_deg"]
+    assert 2 < low < 12
+    assert 25 < high < 45
+    assert parameters["detector.value_min"] == 0.15  # what is given wins
+    assert set(pd.read_csv(out / "tracks.csv")["status"]) != {"waiting"}
+
+
 @pytest.fixture(scope="module")
 def odd(footage):
     """Folders that something is wrong with."""
@@ -396,6 +409,18 @@ def test_targets_behind_the_camera_and_waiting(footage):
     assert rows[0]["z_m"] == -1.0
     assert rows[0]["u_left_px"] is None
     assert rows[0]["sd_x_m"] == 0.0
+
+
+def test_footage_without_a_person(footage, tmp_path):
+    f = footage.folder
+    done = track(footage, tmp_path / "out", left=f / "bl", right=f / "br")
+    assert done.returncode == 0, done.stderr
+    assert "Tracking never began" in done.stdout
+    assert "--skin-sample" in done.stdout
+    page = (tmp_path / "out/report.html").read_text()
+    assert "Tracking never began" in page
+    assert 'data-figure="time-0"' not in page
+    assert set(pd.read_csv(tmp_path / "out/tracks.csv")["status"]) == {"waiting"}
 
 
 @pytest.mark.parametrize("extra", [True, False])
