@@ -18,8 +18,9 @@ def readonly(
     Raises ValueError naming the field, the expected and the given shape.
     """
     array: NDArray[Any] = np.array(value, dtype=dtype)
-    fits = len(shape) == array.ndim and all(
-        want is None or want == have for want, have in zip(shape, array.shape, strict=True)
+    fits = array.shape == shape or (
+        len(shape) == array.ndim
+        and all(want is None or want == have for want, have in zip(shape, array.shape, strict=True))
     )
     if not fits:
         wanted = "(" + ", ".join("n" if n is None else str(n) for n in shape) + ")"

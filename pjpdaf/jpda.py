@@ -60,9 +60,9 @@ def clusters(gated: Bools) -> list[tuple[list[int], list[int]]]:
     Every target is in exactly one cluster; a cluster may hold no measurement.
     """
     found: list[tuple[int, int]] = []  # bit sets: targets, measurements
-    for t, column in enumerate(gated.T):
+    for t, column in enumerate(gated.T.tolist()):
         targets = 1 << t
-        measurements = sum(1 << j for j in np.flatnonzero(column).tolist())
+        measurements = sum(1 << j for j, inside in enumerate(column) if inside)
         apart = []
         for other in found:
             if other[1] & measurements:

@@ -227,7 +227,10 @@ class PJPDAF:
         # A target inside a merged blob is not lost, only not located: its clock stands still.
         inside = (claimed | association.merged & association.present).sum(axis=1) >= needed
         unseen_s = np.where(found, 0.0, before.unseen_s + np.where(inside, 0.0, dt_s))
-        wide = np.linalg.eigvalsh(covariance[:, :3, :3])[:, -1] > p.lost_sd_m**2
+        P = covariance[:, :3, :3]
+        wide = np.trace(P, axis1=1, axis2=2) > p.lost_sd_m**2  # no eigenvalue exceeds the trace
+        if wide.any():
+            wide = np.linalg.eigvalsh(P)[:, -1] > p.lost_sd_m**2
         # 1e-9: three steps of 1/3 s are 1 s.
         lost = wide | (unseen_s >= p.lost_after_s - 1e-9) & ~found
         status = tuple(
@@ -409,7 +412,7 @@ def _fused(parameters: TrackerParameters, prior: Prior, seen: Association) -> tu
     detected = np.where(used, 1.0 - seen.beta_0, 0.0)[..., None, None]
     one = np.eye(H.shape[-1])
     P = one - detected * (K @ H) + K @ _spread(z, seen.theta, used) @ K.swapaxes(-1, -2)
-    variances, axes = np.linalg.eigh(symmetric(P))
+    variances, axes = np.linalg.eigh(P)  # reads one triangle
     information = (axes * np.maximum(1.0 / variances, 1.0)[..., None, :]) @ axes.swapaxes(-1, -2)
     pulled = (information @ (K @ z[..., None])).sum(axis=1)
     P = root @ np.linalg.inv(one + (information - one).sum(axis=1))
