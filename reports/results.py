@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import itertools
 import json
@@ -18,7 +19,7 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.targets import TARGETS
 from reports.events import KINDS
 from reports.provenance import provenance
@@ -77,7 +78,8 @@ def save(
 
     `played` may come in any order: frames, episodes and events.parquet have the same bytes for the
     same episodes. An existing folder must be empty, or with `force` a run, which is replaced.
-    Raises BenchError where the folder is taken, cannot be written, or an episode comes twice.
+    Raises BenchError where the folder is taken, cannot be written, or an episode comes twice,
+    InfrastructureError where the disk is full.
     """
     folder = Path(os.path.abspath(folder))  # noqa: PTH100 - keeps a link that is the folder's parent
     check_free(folder, force=force)
@@ -97,7 +99,9 @@ def save(
         finally:
             shutil.rmtree(part, ignore_errors=True)
     except OSError as error:
-        raise BenchError(f"{folder}: cannot write the run: {error.strerror or error}.") from error
+        full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+        kind = InfrastructureError if full else BenchError
+        raise kind(f"{folder}: cannot write the run: {error.strerror or error}.") from error
     return folder
 
 

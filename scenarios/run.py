@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import time
 from collections.abc import Mapping, Sequence
@@ -197,6 +198,8 @@ def run_suite(request: RunRequest) -> None:
     jobs = plan(request)
     folder = request.out or default_folder(request.targets)
     check_free(folder)
+    # A cancelled CI job gets SIGTERM: what is finished is kept then, too.
+    signal.signal(signal.SIGTERM, _interrupt)
     console = Console(stderr=True)
     started = time.perf_counter()
     played = _play_with_progress(jobs, workers, console)
@@ -227,6 +230,10 @@ def run_suite(request: RunRequest) -> None:
     )
     out.print(f"report: {page}", highlight=False, soft_wrap=True)
     _end(played, jobs)
+
+
+def _interrupt(number: int, frame: object) -> None:
+    raise KeyboardInterrupt
 
 
 def _end(played: Played, jobs: Sequence[Job]) -> None:

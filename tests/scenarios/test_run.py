@@ -64,7 +64,8 @@ def test_calm_table_is_tracked(tmp_path):
     assert saved.events.empty
 
 
-def test_ctrl_c_keeps_what_is_finished(tmp_path):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_run_keeps_what_is_finished(tmp_path, number):
     command = [sys.executable, "-m", "scenarios", "run", "calm_table", "--seeds", "40"]
     command += ["--set", "frames=3", "--jobs", "2", "--out", str(tmp_path / "r")]
     env = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -72,7 +73,10 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path):
         command, env=env, stderr=subprocess.PIPE, text=True, start_new_session=True
     )
     time.sleep(12)
-    os.killpg(process.pid, signal.SIGINT)
+    if number == signal.SIGINT:
+        os.killpg(process.pid, number)  # Ctrl-C reaches all processes of a terminal
+    else:
+        process.send_signal(number)
     _, said = process.communicate(timeout=60)
     assert "Traceback" not in said
     assert process.returncode == 130, said
