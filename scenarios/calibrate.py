@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 from rich import box
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from pjpdaf.boards import Board
@@ -18,6 +17,7 @@ from pjpdaf.calibrate import LENS_FLAGS, CalibrationReport, calibrate_pairs
 from pjpdaf.errors import BenchError
 from pjpdaf.sources import PicturePair, open_source, picture_pairs
 from scenarios.folder import written_whole
+from scenarios.progress import progress_bar
 
 
 @dataclass(frozen=True)
@@ -50,8 +50,7 @@ def calibrate(request: CalibrateRequest) -> None:
             lambda words: console.print(words, markup=False, highlight=False, soft_wrap=True),
         )
         total = max(open_source(path).count for path in (request.left, request.right))
-        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
-        with Progress(*columns, TimeRemainingColumn(), console=console, transient=True) as progress:
+        with progress_bar(console) as progress:
             task = progress.add_task("finding corners", total=total or None)
 
             def counted() -> Iterator[PicturePair]:

@@ -24,6 +24,11 @@ app = typer.Typer(
 scenarios_app = typer.Typer(help="The catalogue of scenarios.", no_args_is_help=True)
 app.add_typer(scenarios_app, name="scenarios")
 
+PresetName = Annotated[
+    str, typer.Option(help="Detector and tracker of this preset: thesis, thesis-literal.")
+]
+PartName = Annotated[str | None, typer.Option(help="Preset, entry point or module:factory.")]
+
 
 def _version(value: bool) -> None:
     if value:
@@ -50,17 +55,11 @@ def run(
     ] = None,
     seeds: Annotated[
         int | None,
-        typer.Option(help="Episodes of each scenario: seeds 0 to N-1 [the scenario's own]."),
+        typer.Option(help="Episodes of each scenario, seeds 0 to N-1 [the suite's own; 10]."),
     ] = None,
-    preset: Annotated[
-        str, typer.Option(help="Detector and tracker of this preset: thesis, thesis-literal.")
-    ] = "thesis",
-    detector: Annotated[
-        str | None, typer.Option(help="Preset, entry point or module:factory.")
-    ] = None,
-    tracker: Annotated[
-        str | None, typer.Option(help="Preset, entry point or module:factory.")
-    ] = None,
+    preset: PresetName = "thesis",
+    detector: PartName = None,
+    tracker: PartName = None,
     settings: Annotated[
         list[str] | None,
         typer.Option(
@@ -132,15 +131,9 @@ def track(
     fps: Annotated[
         float | None, typer.Option(help="Frames a second [the video's own; 3 for folders].")
     ] = None,
-    preset: Annotated[
-        str, typer.Option(help="Detector and tracker of this preset: thesis, thesis-literal.")
-    ] = "thesis",
-    detector: Annotated[
-        str | None, typer.Option(help="Preset, entry point or module:factory.")
-    ] = None,
-    tracker: Annotated[
-        str | None, typer.Option(help="Preset, entry point or module:factory.")
-    ] = None,
+    preset: PresetName = "thesis",
+    detector: PartName = None,
+    tracker: PartName = None,
     settings: Annotated[
         list[str] | None,
         typer.Option(

@@ -11,14 +11,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 
 from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.parameters import PRESETS, find_preset, override
@@ -30,6 +22,7 @@ from reports.tables import count, rich_table, summarise
 from scenarios.catalogue import resolve, scenarios_of
 from scenarios.execute import Played, play_all
 from scenarios.play import Job, System
+from scenarios.progress import progress_bar
 from scenarios.spec import SETTINGS, Scenario, Suite, nearest, perform
 from sim.contact import Unposable
 from sim.gestures import Value
@@ -257,15 +250,7 @@ class Interrupted(BenchError):
 
 
 def _play_with_progress(jobs: Sequence[Job], workers: int, console: Console) -> Played:
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=console, transient=True) as progress:
+    with progress_bar(console) as progress:
         task = progress.add_task("starting", total=len(jobs))
 
         def on_done(row: EpisodeRows) -> None:

@@ -15,14 +15,6 @@ from types import FrameType, TracebackType
 from typing import Any
 
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 
 from pjpdaf.calibration import read_rig
 from pjpdaf.camera import StereoRig, undistort_picture
@@ -47,6 +39,7 @@ from reports.provenance import provenance
 from reports.track_page import TrackFacts, TrackRecord, status_table, track_page
 from reports.tracks import TrackWriter
 from scenarios.folder import written_whole
+from scenarios.progress import progress_bar
 from scenarios.run import Interrupted, read_settings
 
 UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
@@ -312,15 +305,7 @@ def _follow(
     """Detect and track all frames; the loop here owns the tracker's state."""
     request, cameras = plan.request, plan.rig.cameras
     record = TrackRecord(1 / plan.rate_hz)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=console, transient=True) as progress:
+    with progress_bar(console) as progress:
         task = progress.add_task("tracking", total=plan.total)
         detector, tracker = plan.detector, plan.tracker
         frames = stereo_frames(request.left, request.right, plan.rate_hz, plan.sizes_px, say)
