@@ -19,7 +19,7 @@ from rich.console import Console
 from pjpdaf.calibration import read_rig
 from pjpdaf.camera import StereoRig, undistort_picture
 from pjpdaf.detector import SkinDetector, with_skin
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.interfaces import AnyTracker, Detector, Estimates
 from pjpdaf.parameters import PRESETS, find_preset, override, with_values
 from pjpdaf.registry import make_detector, make_tracker
@@ -91,7 +91,11 @@ class Plan:
 
 
 def track(request: TrackRequest) -> None:
-    """Track, save, print. Raises BenchError; Interrupted after Ctrl-C, with all so far saved."""
+    """Track, save, print.
+
+    Raises BenchError, for a fault in mid-footage after all before it is saved; Interrupted after
+    Ctrl-C or SIGTERM, likewise.
+    """
     console = Console(stderr=True)
 
     def say(words: str) -> None:
@@ -103,8 +107,7 @@ def track(request: TrackRequest) -> None:
             with console.status("learning the background"):
                 plan = _learnt(plan, say)
             record, film = _follow(plan, part, console, say, stop)
-            interrupted = stop.asked
-            facts = _facts(plan, film, complete=not interrupted)
+            facts = _facts(plan, film, complete=not stop.asked and stop.fault is None)
             write_text(part / "report.html", track_page(record, facts))
             _write_json(part / "track.json", plan, record, facts)
     out = Console()
@@ -117,10 +120,12 @@ def track(request: TrackRequest) -> None:
         f"report: {request.out / 'report.html'}",
     ):
         out.print(line, markup=False, highlight=False, soft_wrap=True)
-    if interrupted:
-        raise Interrupted(
-            f"interrupted: the first {record.frames} frames are saved in {request.out}"
-        )
+    kept = f"the first {record.frames} frames are saved in {request.out}"
+    if stop.fault is not None:
+        kind = InfrastructureError if stop.fault.exit_code == 5 else BenchError
+        raise kind(f"{str(stop.fault).rstrip('.')}; {kept}")
+    if stop.asked:
+        raise Interrupted(f"interrupted: {kept}")
 
 
 def plan_of(request: TrackRequest, say: Callable[[str], None]) -> Plan:
@@ -312,39 +317,50 @@ def _follow(
         state: Any = None
         previous_s = 0.0
         with TrackWriter(part, cameras) as tracks, Film(part, "overlay", plan.rate_hz) as film:
-            for frame in frames:
-                if stop.asked:
-                    break
-                dt_s = frame.time_s - previous_s
-                previous_s = frame.time_s
-                expected = tracker.predict(state, dt_s) if state is not None else None
-                seen = detector(frame, expected)
-                if state is None:
-                    state = tracker.start(seen)
-                    said = Estimates.waiting() if state is None else tracker.estimates(state)
-                else:
-                    state, said = tracker.step(state, seen, dt_s)
-                sheet = overlay_picture(frame, cameras, seen, said)
-                tracks.add(frame.index, frame.time_s, said)
-                film.add(sheet)
-                record.add(frame, seen, said, functools.partial(encode_jpeg, sheet))
-                progress.update(task, advance=1)
+            try:
+                for frame in frames:
+                    if stop.asked:
+                        break
+                    dt_s = frame.time_s - previous_s
+                    previous_s = frame.time_s
+                    expected = tracker.predict(state, dt_s) if state is not None else None
+                    seen = detector(frame, expected)
+                    if state is None:
+                        state = tracker.start(seen)
+                        said = Estimates.waiting() if state is None else tracker.estimates(state)
+                    else:
+                        state, said = tracker.step(state, seen, dt_s)
+                    sheet = overlay_picture(frame, cameras, seen, said)
+                    tracks.add(frame.index, frame.time_s, said)
+                    film.add(sheet)
+                    record.add(frame, seen, said, functools.partial(encode_jpeg, sheet))
+                    progress.update(task, advance=1)
+            except BenchError as fault:
+                if record.frames == 0:
+                    raise
+                stop.fault = fault  # what was tracked before it is kept
     if record.frames == 0:
         raise Interrupted("interrupted before any frame was tracked; nothing saved")
     return record, film.path
 
 
 class _Stop:
-    """Ctrl-C asks the frame loop to end after its frame; a second one ends at once."""
+    """Why the frame loop ended early.
+
+    Ctrl-C, or SIGTERM, asks it to end after its frame, a second one ends at once; fault: an input
+    that cannot be used.
+    """
 
     def __init__(self) -> None:
         self.asked = False
+        self.fault: BenchError | None = None
         self._before: Any = None
 
     def __enter__(self) -> _Stop:
         self._before = signal.getsignal(signal.SIGINT)
         if self._before is not signal.SIG_IGN:  # a shell's background job stays deaf
             signal.signal(signal.SIGINT, self._ask)
+        signal.signal(signal.SIGTERM, self._ask)
         return self
 
     def __exit__(
@@ -354,6 +370,7 @@ class _Stop:
         trace: TracebackType | None,
     ) -> None:
         signal.signal(signal.SIGINT, self._before)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
     def _ask(self, number: int, frame: FrameType | None) -> None:
         if self.asked:

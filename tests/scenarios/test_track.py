@@ -300,9 +300,6 @@ def odd(footage):
     for file in pictures(footage, "left")[:3]:
         cv2.imwrite(str(small / file.name), cv2.imread(str(file))[::2, ::2])
     links(folder / "short", pictures(footage, "left")[:3])
-    mixed = links(folder / "mixed", pictures(footage, "left"))
-    (mixed / "00004.png").unlink()
-    (mixed / "00004.png").write_bytes((small / "000.png").read_bytes())
     (folder / "text.yml").write_text("hello")
     (folder / "text.avi").write_text("hello")
     taken = folder / "taken"
@@ -317,7 +314,6 @@ FAULTS = [
     ({"left": "text.avi"}, ("text.avi", "not a video")),
     ({"left": "short"}, ("differ in length", "3 pictures", "12")),
     ({"left": "small", "right": "short"}, ("640x480", "320x240")),
-    ({"left": "mixed"}, ("00004.png", "320x240", "640x480")),
     ({"background_left": "small"}, ("000.png", "320x240", "640x480")),
     ({"background_left": None, "background_right": None}, ("--background-first",)),
     ({"background_right": None}, ("both",)),
@@ -368,7 +364,24 @@ def test_a_fault_is_one_line_and_nothing_is_written(footage, odd, changes, fragm
     assert sorted(odd.rglob("*")) == before
 
 
-def test_ctrl_c_keeps_what_is_tracked(footage, tmp_path):
+def test_a_fault_in_mid_footage_keeps_what_was_tracked(footage, tmp_path):
+    files = pictures(footage, "right")
+    odd = tmp_path / "odd.png"
+    assert cv2.imwrite(str(odd), cv2.imread(str(files[7]))[:400])
+    left = links(tmp_path / "left", pictures(footage, "left"))
+    right = links(tmp_path / "right", [*files[:7], odd, *files[8:]])
+    done = track(footage, tmp_path / "out", left=left, right=right)
+    assert done.returncode == 2
+    (line,) = done.stderr.strip().splitlines()
+    assert "00007.png: the picture is 640x400 px" in line
+    assert "the first 7 frames are saved in" in line
+    tracks = pd.read_csv(tmp_path / "out" / "tracks.csv")
+    assert len(tracks) == 7 * len(TARGETS)
+    assert "Incomplete" in (tmp_path / "out" / "report.html").read_text()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_keeps_what_is_tracked(footage, tmp_path, number):
     files = {name: pictures(footage, name) * 40 for name in ("left", "right")}
     sides = {name: links(tmp_path / name, found) for name, found in files.items()}
     out = tmp_path / "out"
@@ -387,7 +400,7 @@ def test_ctrl_c_keeps_what_is_tracked(footage, tmp_path):
             break
         time.sleep(0.02)
     assert not out.exists()
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     _, stderr = process.communicate(timeout=60)
     assert process.returncode == 130, stderr
     assert "interrupted: the first" in stderr
