@@ -94,7 +94,7 @@ def _play_safely(job: Job) -> EpisodeRows | BenchError:
         return _failure(job, f"{type(fault).__name__}: {fault} ({place})")
 
 
-def check_renderer(context: multiprocessing.context.SpawnContext | None = None) -> str:
+def check_renderer() -> str:
     """Render the self-test in a process of its own; the renderer's description.
 
     Raises InfrastructureError where OpenGL is missing or renders in the wrong place.

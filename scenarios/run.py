@@ -86,6 +86,13 @@ def read_settings(pairs: Sequence[str]) -> Settings:
     return settings
 
 
+def find_plug_ins_here(*parts: str) -> None:
+    """Let a module:factory lie in the current folder; last, so that it hides no library."""
+    here = str(Path.cwd())
+    if any(":" in part for part in parts) and here not in sys.path:
+        sys.path.append(here)
+
+
 @dataclass(frozen=True)
 class Part:
     """One scenario of a run: what a suite changes of it, and how many seeds it plays."""
@@ -185,9 +192,7 @@ def default_folder(targets: Sequence[str]) -> Path:
 def run_suite(request: RunRequest) -> None:
     """Play, score, save and print. Raises BenchError; SystemExit(130) after Ctrl-C."""
     workers = worker_count(request.jobs)
-    if ":" in request.detector + request.tracker and str(Path.cwd()) not in sys.path:
-        # module:factory may lie where the user stands; last, so that it hides no library.
-        sys.path.append(str(Path.cwd()))
+    find_plug_ins_here(request.detector, request.tracker)
     jobs = plan(request)
     folder = request.out or default_folder(request.targets)
     check_free(folder)

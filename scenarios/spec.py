@@ -32,7 +32,7 @@ from scipy.special import ndtr, ndtri
 
 from pjpdaf.errors import BenchError
 from sim.anatomy import Anatomy
-from sim.gestures import GESTURES, HABITS, Stage, Value
+from sim.gestures import GESTURES, Stage, Value
 from sim.motion import Performer
 from sim.randomness import generator
 from sim.script import Performance
@@ -587,7 +587,6 @@ def suite_digest(suite: Suite, scenarios: Mapping[str, Scenario]) -> str:
 
 
 __all__ = [
-    "HABITS",
     "STANDARD",
     "Choice",
     "Entry",

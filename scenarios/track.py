@@ -7,7 +7,6 @@ import functools
 import itertools
 import json
 import signal
-import sys
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -40,7 +39,7 @@ from reports.track_page import TrackFacts, TrackRecord, status_table, track_page
 from reports.tracks import TrackWriter
 from scenarios.folder import written_whole
 from scenarios.progress import progress_bar
-from scenarios.run import Interrupted, read_settings
+from scenarios.run import Interrupted, find_plug_ins_here, read_settings
 
 UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 HEAD = "head"  # as --skin-sample: learn from the head in the first frames
@@ -130,9 +129,7 @@ def track(request: TrackRequest) -> None:
 
 def plan_of(request: TrackRequest, say: Callable[[str], None]) -> Plan:
     """Everything that can be wrong is found here. Raises BenchError."""
-    if ":" in request.detector + request.tracker and str(Path.cwd()) not in sys.path:
-        # module:factory may lie where the user stands; last, so that it hides no library.
-        sys.path.append(str(Path.cwd()))
+    find_plug_ins_here(request.detector, request.tracker)
     settings = read_settings(request.settings)
     for key in settings.scenario:
         raise BenchError(f"--set {key}: footage has only detector.NAME and tracker.NAME to change")

@@ -495,16 +495,6 @@ class Gesture:
     plan: Callable[[Stage], Plan]
 
 
-HABITS = (
-    "rest_x",
-    "rest_y",
-    "hand_inward",
-    "hand_curl",
-    "elbow_swivel",
-    "head_sway",
-    "tremor",
-)  # needed by every family
-
 _APPROACH = (
     "speed",
     "raise_speed",
@@ -545,4 +535,4 @@ GESTURES: Mapping[str, Gesture] = {
     ),
 }
 
-__all__ = ["GESTURES", "HABITS", "Gesture", "Stage", "Value", "Values", "curled"]
+__all__ = ["GESTURES", "Gesture", "Stage", "Value", "Values", "curled"]
