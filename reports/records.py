@@ -40,7 +40,8 @@ class Episode:
     """One scenario played with one seed.
 
     cameras: left, right, as the cameras really are; frames in order, at least one;
-    digest: of the concrete scenario; values: its drawn parameters.
+    digest: of the concrete scenario; values: its drawn parameters; redrawn: how many draws of this
+    seed were thrown away because they could not be posed.
     Raises ValueError where views, targets or frames do not fit together.
     """
 
@@ -53,6 +54,7 @@ class Episode:
     digest: str = ""
     values: Mapping[str, float | str] = field(default_factory=dict)
     pictures: tuple[Picture, ...] = ()
+    redrawn: int = 0
 
     def __post_init__(self) -> None:
         name = f"Episode {self.scenario!r} seed {self.seed}"

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from pjpdaf.errors import BenchError
 from scenarios.loader import load_either_file, load_scenario_file, load_suite_file, parse
-from scenarios.spec import Entry, Scenario, Suite, nearest
+from scenarios.parameters import nearest
+from scenarios.spec import Entry, Scenario, Suite
 
 _SUFFIXES = (".yaml", ".yml")
 

@@ -8,13 +8,15 @@ from rich.console import Console
 from rich.table import Table
 
 from scenarios.catalogue import load_scenario
-from scenarios.spec import Choice, Fixed, Normal, Numeric, Parameter, Scenario, concrete, digest
+from scenarios.concrete import concrete, perform
+from scenarios.parameters import Choice, Fixed, Normal, Numeric, Parameter
+from scenarios.spec import Scenario, digest
 
 
 def describe(name: str, seed: int) -> None:
     """Print a scenario's head and parameters, with the values of one seed. Raises BenchError."""
     scenario = load_scenario(name)
-    values = concrete(scenario, seed)
+    values = concrete(scenario, seed, redraw=perform(scenario, seed).redrawn)
     console = Console()
     for line in head(scenario):
         console.print(line, highlight=False, markup=False, soft_wrap=True)

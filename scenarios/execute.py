@@ -169,7 +169,7 @@ def _outcome(
 
 def _failure(job: Job, reason: str) -> EpisodeRows:
     scenario = job.scenario
-    failure = EpisodeFailure(scenario.name, job.seed, reason, scenario.group, digest_of(job))
+    failure = EpisodeFailure(job.name, job.seed, reason, scenario.group, digest_of(job))
     return rows_of(failure)
 
 

@@ -14,7 +14,8 @@ from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEv
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from pjpdaf.errors import BenchError
-from scenarios.spec import Scenario, Suite, nearest
+from scenarios.parameters import nearest
+from scenarios.spec import Scenario, Suite
 
 MAX_BYTES = 1 << 20
 MAX_DEPTH = 30

@@ -14,9 +14,10 @@ from pjpdaf.interfaces import Detector, Estimates, Tracker
 from pjpdaf.registry import make_detector, make_tracker
 from reports.overlay import overlay_jpeg
 from reports.records import Episode, FrameOutcome, Picture
-from scenarios.spec import Scenario, concrete, digest, perform
-from sim.gestures import Value
+from scenarios.concrete import concrete, perform
+from scenarios.spec import Scenario, digest
 from sim.sequence import Simulation
+from sim.stage import Value
 from sim.truth import Truth
 
 MAX_PICTURES = 12
@@ -35,13 +36,22 @@ class System:
 
 @dataclass(frozen=True)
 class Job:
-    """One episode to play: a pure function of (scenario, seed, overrides, system)."""
+    """One episode to play: a pure function of (scenario, seed, overrides, system).
+
+    label: its name in the results, where that is not the scenario's.
+    """
 
     scenario: Scenario
     seed: int
     overrides: Mapping[str, Value]
     system: System
     keep_pictures: bool = False
+    label: str = ""
+
+    @property
+    def name(self) -> str:
+        """What the results call it."""
+        return self.label or self.scenario.name
 
 
 def digest_of(job: Job) -> str:
@@ -69,7 +79,7 @@ def play(job: Job) -> Episode:
     gallery = _Gallery(performance.frames) if job.keep_pictures else None
     outcomes = []
     with Simulation(performance) as simulation:
-        detector, tracker = parts_of(job.system, simulation.rig)
+        detector, tracker = parts_of(job.system, simulation.calibration)
         detector = detector.learn(simulation.background())
         state: Any = None
         previous_s: float | None = None
@@ -104,14 +114,15 @@ def play(job: Job) -> Episode:
                 picture = overlay_jpeg(frame, simulation.rig.cameras, seen, estimates, truth)
                 gallery.add(Picture(frame.index, picture))
         return Episode(
-            scenario=job.scenario.name,
+            scenario=job.name,
             group=job.scenario.group,
             seed=job.seed,
             fps=performance.fps,
             cameras=simulation.rig.cameras,
             frames=tuple(outcomes),
             digest=digest_of(job),
-            values=concrete(job.scenario, job.seed, job.overrides),
+            values=concrete(job.scenario, job.seed, job.overrides, performance.redrawn),
+            redrawn=performance.redrawn,
             pictures=() if gallery is None else tuple(gallery.pictures),
         )
 

@@ -7,7 +7,7 @@ import signal
 import sys
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from rich.console import Console
@@ -20,13 +20,15 @@ from reports.results import RunInfo, check_free, load, save
 from reports.rows import EpisodeRows
 from reports.tables import count, rich_table, summarise
 from scenarios.catalogue import resolve, scenarios_of
+from scenarios.concrete import SETTINGS, perform
 from scenarios.execute import Played, play_all
+from scenarios.parameters import nearest
 from scenarios.play import Job, System
 from scenarios.progress import progress_bar
-from scenarios.spec import SETTINGS, Scenario, Suite, nearest, perform
+from scenarios.spec import Scenario, Suite
 from sim.contact import Unposable
-from sim.gestures import Value
 from sim.rig import stereo_rig
+from sim.stage import Value
 
 MAX_SEEDS = 100_000
 SCENARIO_SEEDS = 10  # of a scenario that is named alone
@@ -100,6 +102,7 @@ class Part:
     scenario: Scenario
     overrides: Mapping[str, Value]
     seeds: int
+    label: str
 
     @property
     def takes(self) -> frozenset[str]:
@@ -109,16 +112,36 @@ class Part:
 
 def _parts(name: str) -> list[Part]:
     found = resolve(name)
-    if isinstance(found, Suite):
-        return [
+    if not isinstance(found, Suite):
+        return _at_rates(Part(found, {}, SCENARIO_SEEDS, found.name))
+    return [
+        part
+        for entry, scenario in scenarios_of(found)
+        for part in _at_rates(
             Part(
                 scenario,
                 entry.overrides | ({} if entry.frames is None else {"frames": entry.frames}),
                 entry.seeds or found.seeds,
+                entry.label or scenario.name,
             )
-            for entry, scenario in scenarios_of(found)
-        ]
-    return [Part(found, {}, SCENARIO_SEEDS)]
+        )
+    ]
+
+
+def _at_rates(part: Part) -> list[Part]:
+    """The same time at each of the scenario's frame rates; the part itself where it has none."""
+    scenario = part.scenario
+    if not scenario.rates or "fps" in part.overrides:
+        return [part]
+    duration_s = float(part.overrides.get("frames", scenario.frames)) / scenario.fps
+    return [
+        replace(
+            part,
+            overrides={**part.overrides, "fps": rate, "frames": max(1, round(duration_s * rate))},
+            label=f"{part.label}@{rate:g}",
+        )
+        for rate in scenario.rates
+    ]
 
 
 def plan(request: RunRequest) -> list[Job]:
@@ -130,10 +153,12 @@ def plan(request: RunRequest) -> list[Job]:
         raise BenchError(f"--seeds must be between 1 and {MAX_SEEDS}, got {request.seeds}")
     settings = read_settings(request.settings)
     parts = [part for name in request.targets for part in _parts(name)]
-    names = [part.scenario.name for part in parts]
+    names = [part.label for part in parts]
     for name in names:
         if names.count(name) > 1:
-            raise BenchError(f"{name}: asked for twice; a run plays a scenario once")
+            raise BenchError(
+                f"{name}: asked for twice; a run plays a scenario once (or under another label)"
+            )
     known = {key for part in parts for key in part.takes}
     for key in settings.scenario:
         if key not in known:
@@ -146,10 +171,10 @@ def plan(request: RunRequest) -> list[Job]:
         overrides = {**part.overrides, **asked}
         seeds = request.seeds if request.seeds is not None else part.seeds
         jobs += [
-            Job(part.scenario, seed, overrides, system, keep_pictures=seed == 0)
+            Job(part.scenario, seed, overrides, system, seed == 0, part.label)
             for seed in range(seeds)
         ]
-    for job in {job.scenario.name: job for job in jobs}.values():
+    for job in {job.name: job for job in jobs}.values():
         check(job)
     return jobs
 

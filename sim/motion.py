@@ -7,16 +7,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
+from typing import Protocol
 
 import numpy as np
 
-from pjpdaf.arrays import Floats
+from pjpdaf.arrays import Floats, readonly
 from sim.anatomy import Anatomy
 from sim.contact import Obstacles, Table, head_ellipsoid, separate, torso_ellipsoids
-from sim.kinematics import Arm, about_y, about_z, norm, shoulders, solve_arm
+from sim.kinematics import Arm, about_x, about_y, about_z, norm, shoulders, solve_arm
 from sim.pose import Pose, Transform
 from sim.specs import RoomSpec, SceneSpec
-from sim.strokes import HandPath, HandState, Wobble
+from sim.strokes import HandState, Wobble
 
 _HIP_HEIGHT_H = 0.245  # of the stature: the pivot of the torso (seat height, as in `Anatomy.of`)
 _HEAD_FORWARD_M = 0.02  # the head's centre stands ahead of the mid-shoulder point
@@ -25,14 +26,21 @@ _MAX_LEAN_RAD = math.radians(15.0)
 _TORSO_SHARE = 0.4  # of the head's sway
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Hold:
-    """A hand (0 right, 1 left) carries an object from one moment to another [s]."""
+    """A hand (0 right, 1 left) carries an object from one moment to another [s].
+
+    grip: the object in the hand's frame; None = as the object stands when it is taken.
+    put_down: at to_s it is set flat on the table below; False leaves it where the hand lets go, for
+    the other hand to take (its hold begins at this to_s).
+    """
 
     name: str
     side: int
     from_s: float
     to_s: float
+    grip: Transform | None = None
+    put_down: bool = True
 
 
 @dataclass(frozen=True)
@@ -44,16 +52,68 @@ class Cue:
     to_s: float
 
 
+class HandMotion(Protocol):
+    """A hand's whole motion, pure in t (`sim.strokes.HandPath` is one)."""
+
+    def at(self, t_s: float) -> HandState:
+        """The state at t_s [s], any t."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Carriage:
+    """How torso and head are held at one moment, beyond what the hands ask for.
+
+    forward_rad: torso about the hips, forward; sideways_rad: to the person's left; turn_rad: about
+    the spine, to the left. look_yaw_rad (left), look_pitch_rad (down): the head, added to its gaze.
+    head_m (3,): the head displaced in the torso's frame, by what a neck allows.
+    """
+
+    forward_rad: float = 0.0
+    sideways_rad: float = 0.0
+    turn_rad: float = 0.0
+    look_yaw_rad: float = 0.0
+    look_pitch_rad: float = 0.0
+    head_m: Floats = field(default_factory=lambda: np.zeros(3))
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "head_m", readonly(self.head_m, (3,), "Carriage.head_m"))
+
+
+class CarriageMotion(Protocol):
+    """The carriage over time, pure in t."""
+
+    def at(self, t_s: float) -> Carriage:
+        """The carriage at t_s [s], any t."""
+        ...
+
+
+_UPRIGHT = Carriage()
+
+
+@dataclass(frozen=True)
+class Upright:
+    """Nothing beyond what the hands ask for."""
+
+    def at(self, t_s: float) -> Carriage:
+        """Always the same."""
+        return _UPRIGHT
+
+
+UPRIGHT = Upright()
+
+
 @dataclass(frozen=True, eq=False)
 class Plan:
     """What a performer does: paths of both hands, what they hold, and the body's small motions."""
 
-    hands: tuple[HandPath, HandPath]
+    hands: tuple[HandMotion, HandMotion]
     sway: Wobble
     tremor: tuple[Wobble, Wobble]
     swivel_rad: float
     holds: tuple[Hold, ...] = ()
     cues: tuple[Cue, ...] = ()
+    carriage: CarriageMotion = UPRIGHT
 
 
 def table_of(room: RoomSpec) -> Table:
@@ -67,36 +127,41 @@ def table_of(room: RoomSpec) -> Table:
 
 
 def object_at_rest(room: RoomSpec, name: str) -> Transform:
-    """Where an object of the room stands on the table before anybody moves it."""
+    """Where an object of the room stands before anybody moves it. Raises KeyError."""
     for thing in room.objects:
         if thing.name == name:
             x, y = thing.position_xy_m
-            return Transform(np.array([x, y, room.table_height_m]), about_z(thing.yaw_rad))
+            z = room.table_height_m if thing.base_m is None else thing.base_m
+            return Transform(np.array([x, y, z]), about_z(thing.yaw_rad))
     raise KeyError(name)
 
 
 def posture(
-    anatomy: Anatomy, hands: tuple[HandState, HandState], sway_m: Floats
+    anatomy: Anatomy,
+    hands: tuple[HandState, HandState],
+    sway_m: Floats,
+    carriage: Carriage = _UPRIGHT,
 ) -> tuple[Transform, Transform]:
     """Torso and head for what the hands do, displaced by sway_m (3,).
 
-    The torso leans forward, up to 15 degrees, where an arm would otherwise be stretched; the head
-    turns a little towards hands in the air.
+    The torso leans forward, up to 15 degrees, where an arm would otherwise be stretched, and as the
+    carriage says; the head turns a little towards hands in the air.
     """
     pivot = np.array([0.0, 0.0, _HIP_HEIGHT_H * anatomy.stature_m])
     upright = np.array([0.0, 0.0, anatomy.mid_shoulder_height_m])
     arm_m = anatomy.upper_arm_m + anatomy.forearm_m
     spine_m = norm(upright - pivot)
     lean = 0.0
-    for side, shoulder in enumerate(shoulders(anatomy, upright, np.eye(3))):
+    held = _held(carriage)
+    for side, shoulder in enumerate(shoulders(anatomy, pivot + held @ (upright - pivot), held)):
         state = hands[side]
         wrist = state.position_m - anatomy.wrist_to_palm_m * state.rotation[:, 0]
         short = (norm(wrist - shoulder) - 0.95 * arm_m) / 0.015
         soft = short if short > 30 else math.log1p(math.exp(short))
         lean += 1.3 * 0.015 * soft / spine_m
-    turn = about_y(_MAX_LEAN_RAD * math.tanh(lean / _MAX_LEAN_RAD))
+    turn = about_y(_MAX_LEAN_RAD * math.tanh(lean / _MAX_LEAN_RAD)) @ held
     torso = Transform(pivot + turn @ (upright - pivot) + _TORSO_SHARE * sway_m, turn)
-    above = np.array([_HEAD_FORWARD_M, 0.0, anatomy.neck_to_head_centre_m])
+    above = np.array([_HEAD_FORWARD_M, 0.0, anatomy.neck_to_head_centre_m]) + carriage.head_m
     centre = torso.position_m + turn @ above + (1 - _TORSO_SHARE) * sway_m
     weight = yaw = pitch = 0.0
     for state in hands:
@@ -107,7 +172,16 @@ def posture(
         pitch += drawn * math.atan2(-dz, max(dx, 0.15))
     yaw *= 0.25 / (weight + 0.3)
     pitch = 0.08 + 0.15 * pitch / (weight + 0.3) + sum(state.nod_rad for state in hands)
+    yaw += carriage.turn_rad + carriage.look_yaw_rad
+    pitch += carriage.look_pitch_rad
     return torso, Transform(centre, about_z(yaw) @ about_y(pitch))
+
+
+def _held(carriage: Carriage) -> Floats:
+    if carriage is _UPRIGHT:
+        return np.eye(3)
+    lean = about_x(-carriage.sideways_rad) @ about_y(carriage.forward_rad)
+    return lean @ about_z(carriage.turn_rad)
 
 
 def _after(parent: Transform, child: Transform) -> Transform:
@@ -163,7 +237,7 @@ class Performer:
         plan, anatomy, table = self.plan, self.scene.anatomy, self._table
         states = (plan.hands[0].at(t_s), plan.hands[1].at(t_s))
         sway = plan.sway.at(t_s)
-        torso, head = posture(anatomy, states, sway)
+        torso, head = posture(anatomy, states, sway, plan.carriage.at(t_s))
         joints = shoulders(anatomy, torso.position_m, torso.rotation)
 
         def solve(side: int, palm_m: Floats) -> Arm:
@@ -186,17 +260,20 @@ class Performer:
 
     @cached_property
     def _carried(self) -> tuple[tuple[Hold, Transform, Transform], ...]:
-        """Per hold, in order of time: the object in the hand's frame, and where it is put down."""
+        """Per hold, in order of time: the object in the hand's frame, and where it is left."""
         carried = []
         standing = {
             o.name: object_at_rest(self.scene.room, o.name) for o in self.scene.room.objects
         }
         for hold in sorted(self.plan.holds, key=lambda hold: hold.from_s):
-            grip = _relative(self._hand(hold, hold.from_s), standing[hold.name])
-            put = _after(self._hand(hold, hold.to_s), grip)
-            x, y, _ = put.position_m.tolist()
-            yaw = math.atan2(put.rotation[1, 0], put.rotation[0, 0])
-            down = Transform(np.array([x, y, self._table.top_m]), about_z(yaw))
+            grip = hold.grip
+            if grip is None:
+                grip = _relative(self._hand(hold, hold.from_s), standing[hold.name])
+            down = _after(self._hand(hold, hold.to_s), grip)
+            if hold.put_down:
+                x, y, _ = down.position_m.tolist()
+                yaw = math.atan2(down.rotation[1, 0], down.rotation[0, 0])
+                down = Transform(np.array([x, y, self._table.top_m]), about_z(yaw))
             standing[hold.name] = down
             carried.append((hold, grip, down))
         return tuple(carried)

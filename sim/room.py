@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from sim import textures
 from sim.assets import Assets, Quaternion, turned
-from sim.body import ROOM, limb_ring
+from sim.body import ROOM
+from sim.objects import add_object
 from sim.shapes import revolved
-from sim.specs import ObjectSpec, RoomSpec
+from sim.specs import RoomSpec
 
-KINDS = ("can", "cup", "box", "ball", "book")
 WALL_X, SIDE_Y, HEIGHT, FRONT_X = -1.55, 2.1, 2.7, 2.6  # the room [m]
 TOP_M = 0.028  # thickness of the table top
 _FACING: Quaternion = (0.5, 0.5, 0.5, 0.5)  # a plane's x, y, z to the world's y, z, x
@@ -27,7 +25,7 @@ def add_room(assets: Assets, room: RoomSpec) -> None:
     _table(assets, room)
     _chair(assets)
     for thing in room.objects:
-        _object(assets, room, thing)
+        add_object(assets, room, thing)
     _lights(assets, room)
 
 
@@ -171,116 +169,6 @@ def _chair(assets: Assets) -> None:
         assets.capsule(world, f"chair:leg:{side}", ends, 0.017, "chair")
     for i, z in enumerate((0.60, 0.72, 0.84)):
         assets.box(world, f"chair:slat:{i}", (-0.252, 0, z), (0.010, 0.215, 0.038), "chair")
-
-
-def _object(assets: Assets, room: RoomSpec, thing: ObjectSpec) -> None:
-    body = assets.spec.worldbody.add_body(
-        name=f"object:{thing.name}",
-        mocap=True,
-        pos=[*thing.position_xy_m, room.table_height_m],
-        quat=list(turned(thing.yaw_rad)),
-    )
-    if thing.kind not in KINDS:
-        raise ValueError(f"object {thing.name!r}: kind must be one of {KINDS}, got {thing.kind!r}")
-    name = f"object:{thing.name}"
-    assets.plain(name, thing.rgb, specular=0.25, shininess=0.4)
-    {"can": _can, "cup": _cup, "box": _box, "ball": _ball, "book": _book}[thing.kind](
-        assets, body, name, thing
-    )
-
-
-def _can(assets: Assets, body: Any, name: str, thing: ObjectSpec) -> None:
-    r, h = min(thing.size_m[:2]) / 2, thing.size_m[2]
-    can = revolved(
-        np.array(
-            [
-                [0, 0.003],
-                [0.8 * r, 0.003],
-                [0.86 * r, 0],
-                [r, 0.05 * h],
-                [r, 0.5 * h],
-                [r, 0.92 * h],
-                [0.87 * r, 0.985 * h],
-                [0.8 * r, 0.985 * h],
-            ]
-        ),
-        28,
-    )
-    assets.plain(f"{name}:lid", (0.70, 0.71, 0.73), specular=0.5, shininess=0.6)
-    label = textures.shade(thing.rgb, np.ones((64, 128)))
-    light = np.clip(0.55 + 0.45 * np.array(thing.rgb), 0, 1)
-    label[26:38] = textures.to_bytes(light)
-    label[20:23] = label[41:44] = textures.to_bytes(np.array([0.75, 0.76, 0.78]))
-    assets.painted(f"{name}:label", label, specular=0.3, shininess=0.5)
-    assets.add(body, name, can, f"{name}:label", ROOM)
-    lid = revolved(
-        np.array(
-            [
-                [0, 0.97 * h],
-                [0.84 * r, 0.97 * h],
-                [0.86 * r, h],
-                [0.80 * r, h],
-                [0.78 * r, 0.975 * h],
-                [0, 0.975 * h],
-            ]
-        ),
-        28,
-    )
-    assets.add(body, f"{name}:lid", lid, f"{name}:lid", ROOM)
-
-
-def _cup(assets: Assets, body: Any, name: str, thing: ObjectSpec) -> None:
-    r, h = min(thing.size_m[:2]) / 2 * 0.82, thing.size_m[2]
-    wall = 0.08 * r
-    cup = revolved(
-        np.array(
-            [
-                [0, 0],
-                [0.78 * r, 0],
-                [0.88 * r, 0.08 * h],
-                [r, 0.6 * h],
-                [r, h],
-                [r - wall, h],
-                [r - 1.4 * wall, 0.6 * h],
-                [0.78 * r, 0.12 * h],
-                [0, 0.10 * h],
-            ]
-        ),
-        28,
-    )
-    assets.add(body, name, cup, name, ROOM)
-    ring = limb_ring(0.30 * h, 0.055 * h)
-    assets.add(
-        body,
-        f"{name}:handle",
-        ring,
-        name,
-        ROOM,
-        pos=(0.0, r + 0.06 * h, 0.52 * h),
-        quat=(0.5, 0.5, 0.5, 0.5),
-    )
-
-
-def _box(assets: Assets, body: Any, name: str, thing: ObjectSpec) -> None:
-    sx, sy, sz = (s / 2 for s in thing.size_m)
-    assets.box(body, name, (0, 0, sz), (sx, sy, sz), name)
-
-
-def _ball(assets: Assets, body: Any, name: str, thing: ObjectSpec) -> None:
-    sx, sy, sz = (s / 2 for s in thing.size_m)
-    assets.ellipsoid(body, name, (0, 0, sz), (sx, sy, sz), name)
-
-
-def _book(assets: Assets, body: Any, name: str, thing: ObjectSpec) -> None:
-    sx, sy, sz = (s / 2 for s in thing.size_m)
-    cover = min(0.0025, sz / 4)
-    assets.plain(f"{name}:pages", (0.82, 0.82, 0.80))
-    assets.box(
-        body, f"{name}:pages", (0.004, 0, sz), (sx - 0.006, sy - 0.004, sz - cover), f"{name}:pages"
-    )
-    assets.box(body, name, (0, 0, cover / 2), (sx, sy, cover / 2), name)
-    assets.box(body, f"{name}:upper", (0, 0, 2 * sz - cover / 2), (sx, sy, cover / 2), name)
-    assets.box(body, f"{name}:spine", (-sx + cover / 2, 0, sz), (cover / 2, sy, sz), name)
 
 
 def _lights(assets: Assets, room: RoomSpec) -> None:

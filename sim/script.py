@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Protocol
 
-from sim.pose import Pose
+from sim.pose import Pose, Transform
 from sim.specs import SceneSpec
 
 
@@ -23,7 +25,11 @@ class Script(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Performance:
-    """One concrete sequence: scene, motion, frame times and the seed of its noise."""
+    """One concrete sequence: scene, motion, frame times and the seed of its noise.
+
+    learnt: places of objects while the background is learnt, where they differ from t = 0.
+    redrawn: how many draws of this seed were thrown away because they could not be posed.
+    """
 
     scene: SceneSpec
     script: Script
@@ -31,3 +37,5 @@ class Performance:
     fps: float
     background_frames: int
     seed: int
+    learnt: Mapping[str, Transform] = field(default_factory=lambda: MappingProxyType({}))
+    redrawn: int = 0

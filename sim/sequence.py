@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from types import TracebackType
+from dataclasses import dataclass, replace
+from types import MappingProxyType, TracebackType
 
 import numpy as np
 
@@ -42,6 +42,7 @@ class Simulation:
         selftest.check_once()
         self.performance = performance
         self.rig = rig_of(performance)
+        self.calibration = self.rig
         self._world = build(performance.scene)
         self._renderer = StereoRenderer(self._world)
 
@@ -74,7 +75,9 @@ class Simulation:
 
         Table, chair and objects stay. Each has noise of its own, apart from all frames' noise.
         """
-        self._world.place(self.performance.script.pose(0.0))
+        first = self.performance.script.pose(0.0)
+        places = MappingProxyType({**first.objects, **self.performance.learnt})
+        self._world.place(replace(first, objects=places))
         views = self._renderer.render(labels=False, amodal=False, person=False)
         return [
             self._exposed(index, index / self.performance.fps, views, "background/")

@@ -19,11 +19,16 @@ class Appearance:
     short_sleeves: bool = False  # bare forearms: skin that belongs to no target
     beard: bool = False
     glasses: bool = False
+    hair: str = "short"  # one of sim.head.HAIR
+    shirt_pattern: str = "plain"  # one of sim.textures.PATTERNS
 
 
 @dataclass(frozen=True)
 class ObjectSpec:
-    """A thing on the table: kind is one of sim.room.KINDS; (x, y) of its base's centre."""
+    """A thing: kind is one of sim.objects.KINDS; (x, y) of its base's centre, z up.
+
+    base_m: height of its base above the floor, None = it stands on the table.
+    """
 
     name: str
     kind: str
@@ -31,6 +36,7 @@ class ObjectSpec:
     rgb: RGB
     position_xy_m: tuple[float, float]
     yaw_rad: float = 0.0
+    base_m: float | None = None
 
 
 @dataclass(frozen=True)
@@ -42,6 +48,7 @@ class RoomSpec:
     table_depth_m: float = 0.75
     table_width_m: float = 1.5
     table_rgb: RGB = (0.47, 0.50, 0.53)
+    table_surface: str = "wood"  # one of sim.textures.SURFACES
     wall_rgb: RGB = (0.62, 0.63, 0.60)
     light_gain: float = 1.0
     light_rgb: RGB = (1.0, 1.0, 1.0)  # colour of all lights
@@ -67,9 +74,43 @@ class RigSpec:
 
 @dataclass(frozen=True)
 class SensorSpec:
-    """What a real camera does to a picture."""
+    """What a real camera does to a picture, in the order in which it does it.
 
-    noise_sd: float = 3.0  # grey levels
+    Light is linear until the picture is encoded; `sim.sensor` has the formulas.
+    """
+
+    exposure_time_s: float = 0.0  # 0 = no blur; the picture is the mean over this time
+    skew_s: float = 0.0  # the right view is exposed this much later than the left
+    exposure_ev: float = 0.0  # gain of the light, powers of two
+    white_balance_rgb: RGB = (1.0, 1.0, 1.0)  # gains of the light's red, green, blue
+    flicker: float = 0.0  # share by which the light swings
+    flicker_hz: float = 100.0
+    flicker_rad: float = 0.0  # its phase at t = 0
+    noise_sd: float = 3.0  # read noise, grey levels
+    shot_noise_sd: float = 0.0  # shot noise at grey level 128, grey levels
+    jpeg_quality: int = 100  # 100 = not compressed
+
+
+@dataclass(frozen=True)
+class ClockSpec:
+    """When pictures are taken, and which arrive."""
+
+    jitter_s: float = 0.0  # a picture is taken up to this much before or after its time
+    stamps: str = "true"  # frames carry the time at which they were taken; or "nominal"
+    dropped: float = 0.0  # chance that a view's picture does not arrive
+
+
+@dataclass(frozen=True)
+class CalibrationError:
+    """How the calibration that a tracker is given differs from the rig that films.
+
+    The left camera keeps its place. baseline: share by which the distance is overstated; focal:
+    likewise of both focal lengths; rotation_rad: of the right camera about its own x, y, z.
+    """
+
+    baseline: float = 0.0
+    focal: float = 0.0
+    rotation_rad: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -81,3 +122,5 @@ class SceneSpec:
     room: RoomSpec = field(default_factory=RoomSpec)
     rig: RigSpec = field(default_factory=RigSpec)
     sensor: SensorSpec = field(default_factory=SensorSpec)
+    clock: ClockSpec = field(default_factory=ClockSpec)
+    calibration_error: CalibrationError = field(default_factory=CalibrationError)

@@ -13,7 +13,8 @@ from scenarios.catalogue import (
     scenarios_of,
     suite_names,
 )
-from scenarios.spec import Scenario, Suite, perform
+from scenarios.concrete import perform
+from scenarios.spec import Scenario, Suite
 
 
 def test_the_catalogue_has_the_first_five_scenarios_and_two_suites():

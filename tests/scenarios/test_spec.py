@@ -12,25 +12,20 @@ from hypothesis import strategies as st
 
 from pjpdaf.errors import BenchError
 from scenarios.catalogue import load_scenario, load_suite, scenario_names
-from scenarios.spec import (
-    STANDARD,
+from scenarios.concrete import concrete, in_si, perform
+from scenarios.parameters import (
     Choice,
     Fixed,
     LogUniform,
     Normal,
     Numeric,
-    Scenario,
     Uniform,
-    concrete,
-    digest,
-    draw,
-    in_si,
     latent,
-    perform,
     quantity,
-    skin_rgb,
-    suite_digest,
 )
+from scenarios.spec import Scenario, digest, suite_digest
+from scenarios.standard import STANDARD
+from scenarios.surroundings import skin_rgb
 
 NOMINALS = (
     Uniform(kind="uniform"),
@@ -77,11 +72,11 @@ def test_every_draw_of_a_shipped_scenario_is_within_its_range(name):
 
 def test_draws_are_the_same_every_time_and_differ_between_seeds():
     scenario = load_scenario("cross")
-    assert concrete(scenario, 7) == draw(scenario, 7)
+    assert concrete(scenario, 7) == concrete(scenario, 7)
     assert concrete(scenario, 7) != concrete(scenario, 8)
 
 
-def test_setting_one_parameter_moves_no_other_draw():
+def test_setting_one_parameter_moves_no_other_concrete():
     scenario = load_scenario("drink")
     plain, changed = concrete(scenario, 3), concrete(scenario, 3, {"speed": 0.5})
     assert changed["speed"] == 0.5
@@ -95,7 +90,7 @@ def test_twins_of_a_family_share_the_draws_of_the_same_name():
     assert all(cross[name] == bounce[name] for name in shared)
 
 
-def test_the_front_hand_is_a_fair_draw():
+def test_the_front_hand_is_a_fair_concrete():
     fronts = [concrete(load_scenario("cross"), seed)["front"] for seed in range(200)]
     # 200 fair throws: 100 +- 3.5 standard deviations of 7.07.
     assert 75 <= fronts.count("right") <= 125

@@ -24,8 +24,8 @@ from pjpdaf.targets import TARGETS
 from reports.film import Film
 from reports.tracks import COLUMNS, track_rows
 from scenarios.catalogue import load_scenario
+from scenarios.concrete import perform
 from scenarios.folder import written_whole
-from scenarios.spec import perform
 from sim.sequence import Simulation
 
 ROOT = Path(__file__).parents[2]

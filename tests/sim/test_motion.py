@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from scenarios.catalogue import load_scenario
-from scenarios.spec import concrete, perform
+from scenarios.concrete import concrete, perform
 from sim.contact import penetration
 from sim.kinematics import MAX_WRIST_BEND_RAD, norm
 from sim.motion import posture

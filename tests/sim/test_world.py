@@ -9,10 +9,10 @@ from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND, TARGETS
 from sim.anatomy import Anatomy
 from sim.body import SKIN
 from sim.labels import centres
+from sim.objects import KINDS
 from sim.pose import Transform
 from sim.render import StereoRenderer
 from sim.rest import rest_pose
-from sim.room import KINDS
 from sim.specs import Appearance, ObjectSpec, RigSpec, RoomSpec, SceneSpec
 from sim.world import build
 

@@ -1,0 +1,1 @@
+"""The families of motion, a module per kind of difficulty."""
