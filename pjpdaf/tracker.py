@@ -140,6 +140,31 @@ class PJPDAF:
         after = self._judge(state, mean, covariance, association, dt_s)
         return after, self.estimates(after)
 
+    def step_assigned(
+        self, state: TrackState, assigned_px: Floats, dt_s: float
+    ) -> tuple[TrackState, Estimates]:
+        """A step in which the origin of every measurement is known: no association.
+
+        assigned_px (N, T, 2): the undistorted measurement of each target in each view, NaN where
+        it has none.
+        """
+        N, T = len(self.cameras), len(state.status)
+        assigned = readonly(assigned_px, (N, T, 2), "assigned_px")
+        prior, z = self._prior(state, dt_s)
+        innovation = (assigned - z).swapaxes(0, 1)  # (T, N, 2); NaN: unseen, or behind the camera
+        given: Bools = np.asarray(np.isfinite(innovation).all(axis=-1))
+        innovation = np.where(given[..., None], innovation, 0.0)
+        out = self._nothing_seen(T, ~np.isnan(z[..., 0]).T)
+        out.innovation[..., :2] = innovation
+        out.theta[..., :2, :2] = innovation[..., :, None] * innovation[..., None, :]
+        out.best[..., :2] = innovation
+        out.beta_best[given] = 1.0
+        out.beta_0[given] = 0.0
+        out.empty[given] = False
+        mean, covariance = UPDATES[self.parameters.update](self.parameters, prior, out)
+        after = self._judge(state, mean, covariance, out, dt_s)
+        return after, self.estimates(after)
+
     def estimates(self, state: TrackState) -> Estimates:
         """What a state says."""
         return _estimates(state.mean, state.covariance, state.status)
@@ -153,23 +178,13 @@ class PJPDAF:
     ) -> tuple[Prior, Association]:
         """The first two stages of a step: prediction and per-view JPDA (Eq. 3.35-3.38, 3.43)."""
         p = self.parameters
-        mean, P = self._ahead(state, dt_s)
-        r, T, N = len(self._R), len(mean), len(self.cameras)
-        z, H, _ = linearise(self._projection, p.measurement, mean[:, :3], r == 3)
-        in_front = ~np.isnan(z[..., 0])
-        H[~in_front] = 0.0
-        S = innovation_covariance(H, P, self._R)  # (N, T, r, r)
+        prior, z = self._prior(state, dt_s)
+        T = len(prior.mean)
+        H = prior.H.swapaxes(0, 1)
+        S = innovation_covariance(H, prior.P, self._R)  # (N, T, r, r)
         S_inverse = np.asarray(np.linalg.inv(S), dtype=np.float64)
-        out = Association(
-            innovation=np.zeros((T, N, r)),
-            theta=np.zeros((T, N, r, r)),
-            best=np.zeros((T, N, r)),
-            beta_best=np.zeros((T, N)),
-            beta_0=np.ones((T, N)),
-            present=in_front.T & np.array([not view.missing for view in seen]),
-            merged=np.zeros((T, N), dtype=bool),
-            empty=np.ones((T, N), dtype=bool),
-        )
+        arrived = np.array([not view.missing for view in seen])
+        out = self._nothing_seen(T, ~np.isnan(z[..., 0]).T & arrived)
         for n, view in enumerate(seen):
             if view.missing or len(view) == 0:
                 continue
@@ -195,7 +210,29 @@ class PJPDAF:
             out.beta_0[:, n] = beta[0]
             out.empty[:, n] = ~gated.any(axis=0)
             out.merged[:, n] = OCCLUSIONS[p.occlusion](gated, beta[1:])
-        return Prior(mean, P, H.swapaxes(0, 1), self._R), out
+        return prior, out
+
+    def _prior(self, state: TrackState, dt_s: float) -> tuple[Prior, Floats]:
+        """The prediction, and where it is in each view (N, T, 2), NaN behind the camera."""
+        mean, P = self._ahead(state, dt_s)
+        third = len(self._R) == 3
+        z, H, _ = linearise(self._projection, self.parameters.measurement, mean[:, :3], third)
+        H[np.isnan(z[..., 0])] = 0.0
+        return Prior(mean, P, H.swapaxes(0, 1), self._R), z
+
+    def _nothing_seen(self, T: int, present: Bools) -> Association:
+        """An association without any measurement; present (T, N)."""
+        N, r = len(self.cameras), len(self._R)
+        return Association(
+            innovation=np.zeros((T, N, r)),
+            theta=np.zeros((T, N, r, r)),
+            best=np.zeros((T, N, r)),
+            beta_best=np.zeros((T, N)),
+            beta_0=np.ones((T, N)),
+            present=present,
+            merged=np.zeros((T, N), dtype=bool),
+            empty=np.ones((T, N), dtype=bool),
+        )
 
     def _ahead(self, state: TrackState, dt_s: float) -> tuple[Floats, Floats]:
         if not 0.0 < dt_s < math.inf:

@@ -1,204 +1,197 @@
-"""Plotly figures as plain JSON values: the thesis's Fig. 4.2-4.4 and the speed curve.
+"""Charts of the report as SVG: the speed curve, errors per frame, paths in 3-D, stacked bars.
 
-Colours are names ("@head", "@ink", ...) that the page turns into those of the reader's theme.
+Colours are the page's own (classes `head`, `right_hand`, `left_hand`, ...), so that they follow the
+reader's theme and print; a target has its own dash and marker as well: colour is never the only
+sign.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from markupsafe import Markup, escape
 
+from pjpdaf.arrays import Floats
 from pjpdaf.targets import TARGETS
 from reports.tables import LABELS
 
 Figure = dict[str, Any]
 
-# Colour is never the only sign: each target has its own dash and marker as well.
+# Of plotly, where footage is drawn (`track_page`).
 DASHES = {"head": "solid", "right_hand": "dash", "left_hand": "dot"}
 SYMBOLS = {"head": "circle", "right_hand": "square", "left_hand": "diamond"}
 SPEED_LABEL = "speed:"
+WIDTH = 480  # of a chart, in its own units; text is 13 of these high
+_LEFT, _RIGHT, _TOP, _BOTTOM = 52, 12, 30, 44
+# View of the 3-D paths: columns are the world's x, y, z in the picture (right, up).
+_VIEW = np.array([[-0.62, 0.78, 0.0], [-0.30, -0.24, 0.92]])
 
 
-def error_figure(frames: pd.DataFrame, events: pd.DataFrame) -> Figure:
-    """Error per frame of one episode (Fig. 4.3): Err_acc [px], 3-D error [mm], events below.
+@dataclass(frozen=True, eq=False)
+class Series:
+    """A line of a chart: x, y (n,), NaN where it has a gap; words (n,) say what a point is."""
 
-    frames, events: the episode's rows of a run's tables. Frames in which the hands or the head
-    merge are shaded.
+    target: str
+    x: Floats
+    y: Floats
+    words: tuple[str, ...] = ()
+
+
+def line_chart(
+    series: Sequence[Series],
+    titles: tuple[str, str],
+    *,
+    log_x: bool = False,
+    y_range: tuple[float, float] | None = None,
+    x_ticks: Sequence[float] | None = None,
+    marks: bool = True,
+    limit: tuple[float, str] | None = None,
+    height: int = 300,
+) -> Markup:
+    """Lines over x. titles: of x and y; limit: a level and what it is; marks: a marker a point.
+
+    y_range: of the axis, else from 0 to the largest value.
     """
-    traces: list[Figure] = []
-    panels = (("err_acc_px", "y", "Err_acc [px]"), ("error_mm", "y2", "3-D error [mm]"))
-    for column, axis, title in panels:
-        for target in TARGETS:
-            mine = frames[frames["target"] == target]
-            traces.append(
-                {
-                    "type": "scatter",
-                    "mode": "lines+markers",
-                    "name": LABELS[target],
-                    "legendgroup": target,
-                    "showlegend": axis == "y",
-                    "x": [int(f) for f in mine["frame"]],
-                    "y": numbers(mine[column], 2),
-                    "xaxis": "x",
-                    "yaxis": axis,
-                    "line": {"color": f"@{target}", "dash": DASHES[target], "width": 1.8},
-                    "marker": {"symbol": SYMBOLS[target], "size": 5, "color": f"@{target}"},
-                    "hovertemplate": f"%{{y}} {title[-3:-1]}<extra>{LABELS[target]}</extra>",
-                }
-            )
-    lanes = _event_traces(events)
-    merged = merged_spans(frames)
-    if merged:
-        traces.append(
-            {
-                "type": "scatter",
-                "mode": "markers",
-                "name": "merged in a view",
-                "x": [None],
-                "y": [None],
-                "marker": {"symbol": "square", "size": 12, "color": "@merged"},
-                "hoverinfo": "skip",
-            }
+    xs = np.concatenate([s.x for s in series]) if series else np.zeros(0)
+    ys = np.concatenate([s.y for s in series]) if series else np.zeros(0)
+    ys = ys[np.isfinite(ys)]
+    top = max([float(ys.max())] if len(ys) else [1.0], default=1.0)
+    if limit is not None:
+        top = max(top, limit[0])
+    low, high = y_range or (0.0, top * 1.05 or 1.0)
+    x0, x1 = (float(xs.min()), float(xs.max())) if len(xs) else (0.0, 1.0)
+    if x0 == x1:
+        x0, x1 = x0 / 1.2, x1 * 1.2 or 1.0
+    x_axis = _Axis(x0, x1, _LEFT + 6, WIDTH - _RIGHT - 6, log_x)
+    y_axis = _Axis(low, high, height - _BOTTOM, _TOP)
+    parts = [_frame(x_axis, y_axis, titles, x_ticks, height)]
+    if limit is not None:
+        y = y_axis.at(limit[0])
+        parts.append(
+            f'<line class="limit" x1="{_LEFT}" x2="{WIDTH - _RIGHT}" y1="{y:.1f}" y2="{y:.1f}"/>'
+            f'<text class="soft" x="{WIDTH - _RIGHT}" y="{y - 5:.1f}" text-anchor="end">'
+            f"{escape(limit[1])}</text>"
         )
-    # From below: captures, losses, the swap on top; a lane for each that happens.
-    names = sorted({lane["y"][0] for lane in lanes}, key=lambda n: (n.split()[-1], n))
-    height = 460 + (60 + 22 * len(names) if lanes else 0)
-    bottom = 1 - 400 / (height - 80) if lanes else 0.0
-    half = (1.0 - bottom - 0.08) / 2
-    layout: Figure = {
-        "height": height,
-        "margin": {"l": 104 if lanes else 62, "r": 12, "t": 34, "b": 46},
-        "hovermode": "x unified",
-        "legend": {"orientation": "h", "x": 0, "y": 1.0, "yanchor": "bottom"},
-        "xaxis": {
-            "title": {"text": "frame"},
-            "anchor": "y3" if lanes else "y2",
-            "gridcolor": "@grid",
-            "zeroline": False,
-        },
-        "yaxis": _axis("Err_acc [px]", [1.0 - half, 1.0]),
-        "yaxis2": _axis("3-D error [mm]", [bottom, bottom + half]),
-        "shapes": [
-            {
-                "type": "rect",
-                "xref": "x",
-                "yref": "paper",
-                "x0": first - 0.5,
-                "x1": last + 0.5,
-                "y0": bottom,
-                "y1": 1,
-                "fillcolor": "@merged",
-                "line": {"width": 0},
-                "layer": "below",
-            }
-            for first, last in merged
-        ],
-    }
-    if lanes:
-        layout["yaxis3"] = {
-            "domain": [0.0, bottom - 40 / height],
-            "type": "category",
-            "categoryorder": "array",
-            "categoryarray": names,
-            "range": [-0.6, len(names) - 0.4],
-            "fixedrange": True,
-            "gridcolor": "@grid",
-        }
-    return {"data": [*traces, *lanes], "layout": layout}
+    for line in series:
+        places = np.column_stack([x_axis.all(line.x), y_axis.all(np.clip(line.y, low, high))])
+        parts.append(f'<path class="line {line.target}" d="{path_data(places)}"/>')
+        if marks:
+            parts += [
+                marker(line.target, x, y, 4.5, line.words[i] if line.words else "")
+                for i, (x, y) in enumerate(places.tolist())
+                if math.isfinite(y)
+            ]
+    parts.append(_legend([s.target for s in series]))
+    return svg(parts, height, f"{titles[1]} against {titles[0]}")
 
 
-def path_figure(frames: pd.DataFrame) -> Figure:
-    """3-D paths of one episode (Fig. 4.2, 4.4): truth thin, estimates thick."""
-    traces: list[Figure] = []
-    for target in TARGETS:
-        mine = frames[frames["target"] == target]
-        for kind in ("truth", "estimate"):
-            thick = kind == "estimate"
-            traces.append(
-                {
-                    "type": "scatter3d",
-                    "mode": "lines+markers" if thick else "lines",
-                    "name": f"{LABELS[target]}, {kind}",
-                    **{axis: numbers(mine[f"{kind}_{axis}_m"], 4) for axis in "xyz"},
-                    "text": [f"frame {int(f)}" for f in mine["frame"]],
-                    "line": {
-                        "color": f"@{target}" if thick else f"@{target}_thin",
-                        "width": 5 if thick else 2,
-                    },
-                    "marker": {
-                        "symbol": SYMBOLS[target],
-                        "size": 2.5 if thick else 1,
-                        "color": f"@{target}",
-                    },
-                    "hovertemplate": "%{text}<br>%{x:.3f}, %{y:.3f}, %{z:.3f} m",
-                }
-            )
-    axes = {
-        axis: {
-            "title": {"text": f"{axis} [m]"},
-            "gridcolor": "@grid",
-            "color": "@ink",
-            "showbackground": False,
-            "nticks": 6,
-        }
-        for axis in "xyz"
-    }
-    layout: Figure = {
-        "height": 460,
-        "margin": {"l": 0, "r": 0, "t": 8, "b": 0},
-        "legend": {"orientation": "h", "x": 0, "y": 0, "yanchor": "top"},
-        "scene": {
-            **{f"{axis}axis": value for axis, value in axes.items()},
-            "aspectmode": "data",
-            "camera": {"eye": {"x": 1.7, "y": -1.25, "z": 0.75}},
-        },
-    }
-    return {"data": traces, "layout": layout}
-
-
-def speed_figure(frames: pd.DataFrame) -> Figure | None:
+def speed_chart(frames: pd.DataFrame) -> Markup | None:
     """Share of frames within 100 mm against the speed of the stroke, None without `speed:` labels.
 
     frames: rows of all seeds of a scenario. Frames without an estimate are not within.
     """
+    series = speed_series(frames)
+    if not series:
+        return None
+    ticks = sorted({float(s) for line in series for s in line.x})
+    return line_chart(
+        series,
+        ("speed of the stroke [m/s]", "within 100 mm [%]"),
+        log_x=True,
+        y_range=(0.0, 103.0),
+        x_ticks=ticks,
+    )
+
+
+def speed_series(frames: pd.DataFrame) -> list[Series]:
+    """Per hand: speeds [m/s] and the share of frames within 100 mm [%]; empty without labels."""
     speeds = label_speeds(frames["labels"])
     chosen = frames[np.isfinite(speeds)].assign(speed_mps=speeds[np.isfinite(speeds)])
-    if chosen.empty:
-        return None
-    traces = []
-    for target in TARGETS[1:]:
-        mine = chosen[chosen["target"] == target]
-        groups = mine.groupby("speed_mps", sort=True)["error_mm"]
-        within = groups.apply(lambda e: float((e.to_numpy() <= 100.0).mean()))
-        traces.append(
-            {
-                "type": "scatter",
-                "mode": "lines+markers",
-                "name": LABELS[target],
-                "x": [float(s) for s in within.index],
-                "y": numbers(within * 100, 2),
-                "text": [f"{n} frames" for n in groups.size()],
-                "line": {"color": f"@{target}", "dash": DASHES[target], "width": 2.2},
-                "marker": {"symbol": SYMBOLS[target], "size": 8, "color": f"@{target}"},
-                "hovertemplate": "%{x} m/s: %{y} % of %{text}",
-            }
+    found = []
+    for target in TARGETS[1:] if len(chosen) else ():
+        groups = chosen[chosen["target"] == target].groupby("speed_mps", sort=True)["error_mm"]
+        within = groups.apply(lambda e: 100.0 * float((e.to_numpy() <= 100.0).mean()))
+        words = tuple(
+            f"{LABELS[target]}, {speed:g} m/s: {share:.1f} % of {n} frames"
+            for (speed, share), n in zip(within.items(), groups.size(), strict=True)
         )
-    layout: Figure = {
-        "height": 340,
-        "margin": {"l": 62, "r": 12, "t": 34, "b": 46},
-        "legend": {"orientation": "h", "x": 0, "y": 1.0, "yanchor": "bottom"},
-        "xaxis": {
-            "title": {"text": "speed of the stroke [m/s]"},
-            "type": "log",
-            "gridcolor": "@grid",
-            "tickvals": sorted({float(s) for s in chosen["speed_mps"]}),
-        },
-        "yaxis": {**_axis("within 100 mm [%]", [0, 1]), "range": [-3, 103]},
-    }
-    return {"data": traces, "layout": layout}
+        x = np.array(within.index, dtype=np.float64)
+        found.append(Series(target, x, within.to_numpy(dtype=np.float64), words))
+    return found
+
+
+def path_chart(truth_mm: Floats, said_mm: Floats, height: int = 340) -> Markup:
+    """3-D paths (F, T, 3) [mm] in an oblique view: truth thin, estimates thick (Fig. 4.2, 4.4).
+
+    World axes: x towards the cameras, y to the person's left, z up. What strays farther than
+    300 mm from the box of the truth is cut off.
+    """
+    flat = truth_mm.reshape(-1, 3)
+    low = np.floor(flat.min(axis=0) / 100 - 0.5) * 100
+    high = np.ceil(flat.max(axis=0) / 100 + 0.5) * 100
+    near = (said_mm > low - 300) & (said_mm < high + 300)
+    said_mm = np.where(near.all(axis=-1, keepdims=True), said_mm, np.nan)
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    box = (low + corners * (high - low)) @ _VIEW.T
+    scale = min((WIDTH - 2 * 46) / np.ptp(box[:, 0]), (height - _TOP - 40) / np.ptp(box[:, 1]))
+    middle = (box.max(axis=0) + box.min(axis=0)) / 2
+    centre = np.array([WIDTH / 2, (_TOP + height - 14) / 2])
+
+    def place(points_mm: Floats) -> Floats:
+        return np.asarray(centre + (points_mm @ _VIEW.T - middle) * [scale, -scale])
+
+    parts = [_box(low, high, place)]
+    for kind, paths in (("truth", truth_mm), ("said", said_mm)):
+        for t, target in enumerate(TARGETS):
+            line = path_data(place(paths[:, t]))
+            parts.append(f'<path class="line {kind} {target}" d="{line}"/>')
+    for t, target in enumerate(TARGETS):
+        there = said_mm[np.isfinite(said_mm[:, t]).all(axis=1), t]
+        if len(there):
+            x, y = place(there[-1])
+            parts.append(marker(target, float(x), float(y), 5.0, f"{LABELS[target]}, last frame"))
+    parts.append(_legend(TARGETS))
+    return svg(parts, height, "Paths of head and hands in 3-D: truth thin, estimates thick")
+
+
+def stacked_bars(parts_mm: Mapping[str, Mapping[str, float]]) -> Markup:
+    """A bar a target, stacked from parts [mm] in their order, with the number in each part."""
+    totals = {t: sum(_part(values, t) for values in parts_mm.values()) for t in TARGETS}
+    axis = _Axis(0.0, max(totals.values(), default=0.0) * 1.08 or 1.0, 96, WIDTH - _RIGHT)
+    height = 66 + 34 * len(TARGETS)
+    parts = []
+    for tick in axis.ticks():
+        x = axis.at(tick)
+        parts.append(
+            f'<line class="grid" x1="{x:.1f}" x2="{x:.1f}" y1="8" y2="{height - 42}"/>'
+            f'<text x="{x:.1f}" y="{height - 26}" text-anchor="middle">{tick:g}</text>'
+        )
+    for t, target in enumerate(TARGETS):
+        y = 14 + 34 * t
+        parts.append(f'<text x="90" y="{y + 16}" text-anchor="end">{LABELS[target]}</text>')
+        start = 0.0
+        for n, (name, values) in enumerate(parts_mm.items()):
+            size = _part(values, target)
+            x0, x1 = axis.at(start), axis.at(start + size)
+            start += size
+            parts.append(
+                f'<rect class="part part-{n % 6}" x="{x0:.1f}" y="{y}" width="{x1 - x0:.1f}" '
+                f'height="24"><title>{escape(name)}, {LABELS[target]}: {size:.1f} mm</title></rect>'
+            )
+            if x1 - x0 > 30:
+                parts.append(
+                    f'<text class="inside inside-{n % 6}" x="{(x0 + x1) / 2:.1f}" y="{y + 16}" '
+                    f'text-anchor="middle">{size:.0f}</text>'
+                )
+    parts.append(
+        f'<text x="{(96 + WIDTH) / 2:.0f}" y="{height - 6}" text-anchor="middle">mm</text>'
+    )
+    return svg(parts, height, "Error budget of each target in millimetres")
 
 
 def label_speeds(labels: pd.Series) -> np.ndarray:
@@ -215,66 +208,156 @@ def label_speeds(labels: pd.Series) -> np.ndarray:
     return found
 
 
-def merged_spans(frames: pd.DataFrame) -> list[tuple[int, int]]:
-    """First and last frame of every stretch in which any target is merged."""
-    flags = frames.groupby("frame", sort=True)["merged"].any()
-    spans: list[tuple[int, int]] = []
-    for frame, merged in zip(flags.index, flags, strict=True):
-        if not merged:
-            continue
-        if spans and spans[-1][1] == frame - 1:
-            spans[-1] = (spans[-1][0], int(frame))
+def path_data(places: Floats) -> str:
+    """SVG path through points (n, 2), lifted where one is NaN."""
+    words, down = [], False
+    for x, y in places.tolist():
+        if math.isfinite(x) and math.isfinite(y):
+            words.append(f"{'L' if down else 'M'}{x:.1f} {y:.1f}")
+            down = True
         else:
-            spans.append((int(frame), int(frame)))
-    return spans
+            down = False
+    return "".join(words)
 
 
-def numbers(values: pd.Series, digits: int) -> list[float | None]:
-    """JSON numbers; None where there is none, so that the line has a gap."""
-    return [round(float(v), digits) if math.isfinite(v) else None for v in values]
-
-
-def _axis(title: str, domain: list[float]) -> Figure:
-    return {
-        "title": {"text": title},
-        "domain": domain,
-        "rangemode": "tozero",
-        "gridcolor": "@grid",
-        "zerolinecolor": "@grid",
-    }
-
-
-def _event_traces(events: pd.DataFrame) -> list[Figure]:
-    """A bar per event in the lane of its kind; empty without events."""
-    verbs = {"swap": "swapped", "lost": "lost", "capture": "captured"}
-    traces = []
-    for event in events.itertuples():
-        if event.kind not in verbs:
-            continue
-        who = LABELS[event.target]
-        short = "hands" if event.kind == "swap" else who.removesuffix(" hand")
-        words = {
-            "swap": "right and left hand swapped",
-            "lost": f"{who} lost",
-            "capture": f"{who} captured by {LABELS.get(event.other, '?')}",
-        }[event.kind]
-        colour = "@ink" if event.kind == "swap" else f"@{event.target}"
-        # Half a frame on either side, so that an event of one frame shows.
-        x = [event.first_frame - 0.4, event.last_frame + 0.4]
-        traces.append(
-            {
-                "type": "scatter",
-                "mode": "lines",
-                "x": x,
-                "y": [f"{short} {verbs[event.kind]}"] * 2,
-                "xaxis": "x",
-                "yaxis": "y3",
-                "showlegend": False,
-                "line": {"color": colour, "width": 10},
-                "opacity": 0.75,
-                "name": words,
-                "hovertemplate": f"{words}, frames {event.first_frame}-{event.last_frame}"
-                "<extra></extra>",
-            }
+def marker(target: str, x: float, y: float, size: float, words: str = "") -> str:
+    """A target's marker: circle, square or diamond."""
+    title = f"<title>{escape(words)}</title>" if words else ""
+    if target == TARGETS[0]:
+        return (
+            f'<circle class="mark {target}" cx="{x:.1f}" cy="{y:.1f}" r="{size}">{title}</circle>'
         )
-    return traces
+    turn = f' transform="rotate(45 {x:.1f} {y:.1f})"' if target == TARGETS[2] else ""
+    return (
+        f'<rect class="mark {target}" x="{x - size:.1f}" y="{y - size:.1f}" '
+        f'width="{2 * size}" height="{2 * size}"{turn}>{title}</rect>'
+    )
+
+
+def svg(parts: Sequence[str], height: int, label: str) -> Markup:
+    """A chart of `WIDTH` x height from its elements; label: in words what it shows."""
+    # Names from outside went through `escape` where they were put in.
+    return Markup(
+        f'<svg class="chart" viewBox="0 0 {WIDTH} {height}" role="img" '
+        f'aria-label="{escape(label)}">{"".join(parts)}</svg>'
+    )
+
+
+@dataclass(frozen=True)
+class _Axis:
+    """Values low..high on places start..end."""
+
+    low: float
+    high: float
+    start: float
+    end: float
+    log: bool = False
+
+    def all(self, values: Floats) -> Floats:
+        low, high = self.low, self.high
+        if self.log:
+            values, low, high = np.log(values), math.log(low), math.log(high)
+        return np.asarray(self.start + (values - low) / (high - low) * (self.end - self.start))
+
+    def at(self, value: float) -> float:
+        return float(self.all(np.array(value)))
+
+    def ticks(self) -> list[float]:
+        """Round values, about five."""
+        step = round_step((self.high - self.low) / 5)
+        first = math.ceil(self.low / step - 1e-9)
+        last = math.floor(self.high / step + 1e-9)
+        return [round(i * step, 10) for i in range(first, last + 1)]
+
+
+def round_step(least: float) -> float:
+    """1, 2 or 5 times a power of ten, at least `least`."""
+    power = 10.0 ** math.floor(math.log10(least))
+    return next(f * power for f in (1.0, 2.0, 5.0, 10.0) if f * power >= least * (1 - 1e-9))
+
+
+def _frame(
+    x_axis: _Axis,
+    y_axis: _Axis,
+    titles: tuple[str, str],
+    x_ticks: Sequence[float] | None,
+    height: int,
+) -> str:
+    """Grid, ticks and titles."""
+    parts = []
+    bottom = height - _BOTTOM
+    for tick in y_axis.ticks():
+        y = y_axis.at(tick)
+        parts.append(
+            f'<line class="grid" x1="{_LEFT}" x2="{WIDTH - _RIGHT}" y1="{y:.1f}" y2="{y:.1f}"/>'
+            f'<text x="{_LEFT - 7}" y="{y + 4:.1f}" text-anchor="end">{tick:g}</text>'
+        )
+    for tick in x_axis.ticks() if x_ticks is None else x_ticks:
+        x = x_axis.at(tick)
+        parts.append(
+            f'<line class="grid" x1="{x:.1f}" x2="{x:.1f}" y1="{_TOP}" y2="{bottom}"/>'
+            f'<text x="{x:.1f}" y="{bottom + 17}" text-anchor="middle">{tick:g}</text>'
+        )
+    middle = (_TOP + bottom) / 2
+    parts.append(
+        f'<text x="{(_LEFT + WIDTH - _RIGHT) / 2}" y="{height - 8}" text-anchor="middle">'
+        f"{escape(titles[0])}</text>"
+        f'<text transform="translate(14 {middle}) rotate(-90)" text-anchor="middle">'
+        f"{escape(titles[1])}</text>"
+    )
+    return "".join(parts)
+
+
+def _legend(targets: Sequence[str]) -> str:
+    parts, x = [], float(_LEFT)
+    for target in dict.fromkeys(targets):
+        parts.append(
+            f'<path class="line {target}" d="M{x:.0f} 14H{x + 26:.0f}"/>'
+            + marker(target, x + 13, 14, 4)
+            + f'<text x="{x + 32:.0f}" y="18">{LABELS[target]}</text>'
+        )
+        x += 48 + 7.2 * len(LABELS[target])
+    return "".join(parts)
+
+
+def _box(low: Floats, high: Floats, place: Any) -> str:
+    """Floor grid of a 3-D box with its axes and their ticks [mm]."""
+    parts = []
+    step = round_step(float((high - low).max()) / 5)
+    edges: list[tuple[int, int, Floats]] = [
+        # axis along which the ticks run, axis of the grid lines, where the third one stands
+        (0, 1, low),
+        (1, 0, low),
+    ]
+    for along, across, fixed in edges:
+        for value in np.arange(np.ceil(low[along] / step) * step, high[along] + 1, step):
+            ends = np.array([fixed, fixed], dtype=np.float64)
+            ends[:, along] = value
+            ends[:, across] = low[across], high[across]
+            parts.append(f'<path class="grid" d="{path_data(place(ends))}"/>')
+            x, y = place(ends[1])
+            anchor = "start" if along == 0 else "end"
+            shift = 6 if along == 0 else -6
+            parts.append(
+                f'<text class="soft" x="{x + shift:.1f}" y="{y + 10:.1f}" text-anchor="{anchor}">'
+                f"{value + 0.0:g}</text>"
+            )
+    for value in np.arange(np.ceil(low[2] / step) * step, high[2] + 1, step):
+        at = place(np.array([low[0], high[1], value]))
+        parts.append(f'<text class="soft" x="{at[0] + 6:.1f}" y="{at[1] + 4:.1f}">{value + 0.0:g}</text>')
+    upright = np.array([[low[0], high[1], low[2]], [low[0], high[1], high[2]]])
+    parts.append(f'<path class="grid" d="{path_data(place(upright))}"/>')
+    names = {
+        "x [mm]": (np.array([(low[0] + high[0]) / 2, high[1], low[2]]), 44, 24),
+        "y [mm]": (np.array([high[0], (low[1] + high[1]) / 2, low[2]]), -40, 24),
+        "z [mm]": (np.array([low[0], high[1], high[2]]), -8, -8),
+    }
+    for words, (point, dx, dy) in names.items():
+        x, y = place(point)
+        parts.append(f'<text x="{x + dx:.1f}" y="{y + dy:.1f}" text-anchor="middle">{words}</text>')
+    return "".join(parts)
+
+
+def _part(values: Mapping[str, float], target: str) -> float:
+    value = float(values.get(target, 0.0))
+    return value if math.isfinite(value) and value > 0 else 0.0

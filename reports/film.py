@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
+import os
+import shutil
+from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
@@ -11,21 +15,27 @@ from typing import Any
 import cv2
 import numpy as np
 
-from pjpdaf.errors import BenchError, InfrastructureError
+from pjpdaf.errors import InfrastructureError
+from reports.files import write_fault
 
 KEY_FRAME_S = 3.0  # a player can jump to every such moment
+
+
+def film_suffix() -> str:
+    """How the films of this installation end: .mp4 or .webm."""
+    return ".webm" if _av() is None else ".mp4"
 
 
 class Film:
     """Writes pictures (h, w, 3) uint8 BGR of one size, one at a time.
 
-    `path` is known after the first picture. Raises InfrastructureError where no encoder opens,
-    BenchError where the disk refuses.
+    `path` is known after the first picture. Raises InfrastructureError where no encoder opens or
+    the disk is full, BenchError where the disk refuses otherwise; no part of a film is left then.
     """
 
     def __init__(self, folder: Path, stem: str, rate_hz: float) -> None:
         self.path: Path | None = None
-        self._stem = folder / stem
+        self._file = folder / f"{stem}{film_suffix()}"
         self._rate_hz = rate_hz
         self._writer: _Mp4 | _WebM | None = None
 
@@ -36,20 +46,22 @@ class Film:
         even = np.pad(picture, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
         try:
             if self._writer is None:
-                self._writer = _open(self._stem, self._rate_hz, (even.shape[1], even.shape[0]))
-                self.path = self._writer.path
+                self._writer = _open(self._file, self._rate_hz, (even.shape[1], even.shape[0]))
+                self.path = self._file
             self._writer.add(even)
         except OSError as error:
-            raise self._fault(error) from error
+            self._give_up()
+            raise write_fault(self._file, "the film", error) from error
 
     def close(self) -> None:
         """Finish the file; safe to call twice."""
-        writer, self._writer = self._writer, None
         try:
-            if writer is not None:
-                writer.close()
+            if self._writer is not None:
+                self._writer.close()
+                self._writer = None
         except OSError as error:
-            raise self._fault(error) from error
+            self._give_up()
+            raise write_fault(self._file, "the film", error) from error
 
     def __enter__(self) -> Film:
         return self
@@ -62,23 +74,31 @@ class Film:
     ) -> None:
         self.close()
 
-    def _fault(self, error: OSError) -> BenchError:
-        return BenchError(f"{self._stem}: cannot write the film: {error.strerror or error}.")
+    def _give_up(self) -> None:
+        """No player opens a film without its end, and its room is needed."""
+        writer, self._writer, self.path = self._writer, None, None
+        if writer is not None:
+            for step in (writer.drop, self._file.unlink):
+                with suppress(OSError):
+                    step()
 
 
-def _open(stem: Path, rate_hz: float, size: tuple[int, int]) -> _Mp4 | _WebM:
+def _av() -> Any:
+    """PyAV where it is installed and has the encoder, else None."""
     try:
         av = importlib.import_module("av")
     except ImportError:
-        return _WebM(stem.with_suffix(".webm"), rate_hz, size)
-    if "libx264" not in av.codecs_available:
-        return _WebM(stem.with_suffix(".webm"), rate_hz, size)
-    return _Mp4(av, stem.with_suffix(".mp4"), rate_hz, size)
+        return None
+    return av if "libx264" in av.codecs_available else None
+
+
+def _open(path: Path, rate_hz: float, size: tuple[int, int]) -> _Mp4 | _WebM:
+    av = _av()
+    return _WebM(path, rate_hz, size) if av is None else _Mp4(av, path, rate_hz, size)
 
 
 class _Mp4:
     def __init__(self, av: Any, path: Path, rate_hz: float, size: tuple[int, int]) -> None:
-        self.path = path
         self._frame = av.VideoFrame.from_ndarray
         # The index goes to the front, so that a browser can start before it has all.
         self._file = av.open(str(path), "w", options={"movflags": "faststart"})
@@ -96,10 +116,14 @@ class _Mp4:
         self._file.mux(self._stream.encode(None))
         self._file.close()
 
+    def drop(self) -> None:
+        # One more packet after a failed one ends the process where the header was not written.
+        self._file.close()
+
 
 class _WebM:
     def __init__(self, path: Path, rate_hz: float, size: tuple[int, int]) -> None:
-        self.path = path
+        self._folder = path.parent
         fourcc = cv2.VideoWriter.fourcc(*"VP80")
         self._file = cv2.VideoWriter(str(path), fourcc, rate_hz, size)
         if not self._file.isOpened():
@@ -108,7 +132,13 @@ class _WebM:
             )
 
     def add(self, picture: np.ndarray) -> None:
+        # OpenCV goes on in silence on a full disk: ask beforehand.
+        if shutil.disk_usage(self._folder).free < picture.nbytes:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         self._file.write(picture)
 
     def close(self) -> None:
         self._file.release()
+
+    def drop(self) -> None:
+        self.close()

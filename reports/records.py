@@ -35,13 +35,21 @@ class Picture:
     jpeg: bytes
 
 
+@dataclass(frozen=True)
+class Still:
+    """Both views of a frame, small and plain, by `stills.still`."""
+
+    frame: int
+    webp: bytes
+
+
 @dataclass(frozen=True, eq=False)
 class Episode:
     """One scenario played with one seed.
 
     cameras: left, right, as the cameras really are; frames in order, at least one;
     digest: of the concrete scenario; values: its drawn parameters; redrawn: how many draws of this
-    seed were thrown away because they could not be posed.
+    seed were thrown away because they could not be posed; film: some frames, or all of them.
     Raises ValueError where views, targets or frames do not fit together.
     """
 
@@ -55,6 +63,7 @@ class Episode:
     values: Mapping[str, float | str] = field(default_factory=dict)
     pictures: tuple[Picture, ...] = ()
     redrawn: int = 0
+    film: tuple[Still, ...] = ()
 
     def __post_init__(self) -> None:
         name = f"Episode {self.scenario!r} seed {self.seed}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import hashlib
 import itertools
 import json
@@ -10,6 +9,7 @@ import os
 import re
 import shutil
 import tempfile
+import zipfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,16 +19,35 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from pjpdaf.errors import BenchError, InfrastructureError
+from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from reports.events import KINDS
+from reports.files import disk_faults, part_folder, write_fault
 from reports.provenance import provenance
 from reports.records import Episode, EpisodeFailure
-from reports.rows import EPISODES, EVENTS, FRAMES, EpisodeRows, rows_of
+from reports.rows import (
+    CAMERAS,
+    DETECTIONS,
+    EPISODES,
+    EVENTS,
+    FRAMES,
+    METRICS_VERSION,
+    TRACKING,
+    EpisodeRows,
+    rows_of,
+)
+from reports.worst import worst_first
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 KIND = "pjpdaf-bench run"
-TABLES = {"frames": FRAMES, "episodes": EPISODES, "events": EVENTS}
+TABLES = {
+    "frames": FRAMES,
+    "episodes": EPISODES,
+    "events": EVENTS,
+    "tracking": TRACKING,
+    "detections": DETECTIONS,
+    "cameras": CAMERAS,
+}
 ROW_GROUP = 65536
 
 
@@ -53,13 +72,16 @@ class RunInfo:
 
 @dataclass(frozen=True, eq=False)
 class SavedRun:
-    """A run read back. meta: run.json; frames, episodes, events: its tables (`reports.rows`)."""
+    """A run read back. meta: run.json; the others: its tables (`reports.rows`)."""
 
     folder: Path
     meta: Mapping[str, Any]
     frames: pd.DataFrame
     episodes: pd.DataFrame
     events: pd.DataFrame
+    tracking: pd.DataFrame
+    detections: pd.DataFrame
+    cameras: pd.DataFrame
 
     @property
     def name(self) -> str:
@@ -90,18 +112,14 @@ def save(
             raise BenchError(
                 f"Scenario {a.scenario!r} seed {a.seed} was given twice; a run has it once."
             )
-    try:
+    with disk_faults(folder, "the run"):
         folder.parent.mkdir(parents=True, exist_ok=True)
-        part = Path(tempfile.mkdtemp(prefix=f".{folder.name}.part-", dir=folder.parent))
+        part = part_folder(folder)
         try:
             _write(part, rows, info)
             _publish(part, folder)
         finally:
             shutil.rmtree(part, ignore_errors=True)
-    except OSError as error:
-        full = error.errno in (errno.ENOSPC, errno.EDQUOT)
-        kind = InfrastructureError if full else BenchError
-        raise kind(f"{folder}: cannot write the run: {error.strerror or error}.") from error
     return folder
 
 
@@ -124,7 +142,7 @@ def check_free(folder: Path, *, force: bool = False) -> None:
         if not (folder / "run.json").is_file():
             raise BenchError(f"{folder}: is not a saved run, so it is not replaced.")
     except OSError as error:
-        raise BenchError(f"{folder}: cannot write the run: {error.strerror or error}.") from error
+        raise write_fault(folder, "the run", error) from error
 
 
 def load(folder: Path) -> SavedRun:
@@ -143,6 +161,7 @@ def _write(part: Path, rows: Sequence[EpisodeRows], info: RunInfo) -> None:
     for name, table in tables_of(rows).items():
         write_table(part / f"{name}.parquet", table)
     pictures = _write_pictures(part, rows)
+    films = _write_films(part, rows)
     files = {
         path.relative_to(part).as_posix(): {
             "sha256": _sha256(path),
@@ -154,6 +173,7 @@ def _write(part: Path, rows: Sequence[EpisodeRows], info: RunInfo) -> None:
     meta = {
         "kind": KIND,
         "schema_version": SCHEMA_VERSION,
+        "metrics_version": METRICS_VERSION,
         "name": info.name,
         "complete": info.complete,
         "preset": info.preset,
@@ -164,6 +184,7 @@ def _write(part: Path, rows: Sequence[EpisodeRows], info: RunInfo) -> None:
         "scenarios": _scenarios(rows),
         "provenance": provenance(info.argv, info.renderer),
         "pictures": pictures,
+        "films": films,
         "timing": [
             {
                 "scenario": r.scenario,
@@ -182,17 +203,25 @@ def _write(part: Path, rows: Sequence[EpisodeRows], info: RunInfo) -> None:
 
 
 def tables_of(rows: Sequence[EpisodeRows]) -> dict[str, pa.Table]:
-    """The three tables of a run, rows in a fixed order whatever the order of the episodes."""
+    """The tables of a run, rows in a fixed order whatever the order of the episodes."""
     ordered = sorted(rows, key=lambda r: (r.scenario, r.seed))
     frames = pa.table(
         {name: [v for r in ordered for v in r.frames[name]] for name in FRAMES.names}, schema=FRAMES
     )
     episodes = [row for r in ordered for row in r.episodes]
     events = [row for r in ordered for row in r.events]
+    tracking = [r.tracking for r in ordered if r.tracking is not None]
+    cameras = [row for r in ordered for row in r.cameras]
+    seen = {
+        name: [v for r in ordered for v in r.detections.get(name, [])] for name in DETECTIONS.names
+    }
     return {
         "frames": frames,
         "episodes": pa.Table.from_pylist(episodes, schema=EPISODES),
         "events": pa.Table.from_pylist(events, schema=EVENTS),
+        "tracking": pa.Table.from_pylist(tracking, schema=TRACKING),
+        "detections": pa.table(seen, schema=DETECTIONS),
+        "cameras": pa.Table.from_pylist(cameras, schema=CAMERAS),
     }
 
 
@@ -236,14 +265,55 @@ def _write_pictures(part: Path, rows: Sequence[EpisodeRows]) -> list[dict[str, A
     index = []
     for number, row in enumerate(rows):
         for picture in sorted(row.pictures, key=lambda p: p.frame):
-            plain = re.sub(r"[^A-Za-z0-9_-]+", "_", row.scenario)[:60]
-            file = f"pictures/{number:04d}_{plain}_{row.seed}/{picture.frame:05d}.jpg"
+            folder = f"{number:04d}_{_plain_name(row.scenario)}_{row.seed}"
+            file = f"pictures/{folder}/{picture.frame:05d}.jpg"
             (part / file).parent.mkdir(parents=True, exist_ok=True)
             (part / file).write_bytes(picture.jpeg)
             index.append(
                 {"scenario": row.scenario, "seed": row.seed, "frame": picture.frame, "file": file}
             )
     return index
+
+
+def _write_films(part: Path, rows: Sequence[EpisodeRows]) -> list[dict[str, Any]]:
+    """A ZIP of WebP frames an episode: of every scenario's first seed and of the worst ones."""
+    first = {row.scenario: row.seed for row in reversed(rows)}
+    kept = {*first.items(), *worst_first({(r.scenario, r.seed): r.episodes for r in rows})}
+    index = []
+    for number, row in enumerate(rows):
+        if not row.film or (row.scenario, row.seed) not in kept:
+            continue
+        file = f"films/{number:04d}_{_plain_name(row.scenario)}_{row.seed}.zip"
+        (part / file).parent.mkdir(exist_ok=True)
+        with zipfile.ZipFile(part / file, "w", zipfile.ZIP_STORED) as film:
+            for still in sorted(row.film, key=lambda s: s.frame):
+                # ZipInfo's own date is fixed: equal frames, equal bytes.
+                film.writestr(zipfile.ZipInfo(f"{still.frame:05d}.webp"), still.webp)
+        index.append(
+            {
+                "scenario": row.scenario,
+                "seed": row.seed,
+                "frames": len(row.film),
+                "whole": len(row.film) == row.frame_count,
+                "file": file,
+            }
+        )
+    return index
+
+
+def read_film(run: SavedRun, file: str) -> dict[int, bytes]:
+    """WebP pictures by frame from a film of a run. Raises BenchError where it is damaged."""
+    path = run.folder / file
+    try:
+        with zipfile.ZipFile(path) as film:
+            return {int(Path(name).stem): film.read(name) for name in sorted(film.namelist())}
+    except (OSError, ValueError, zipfile.BadZipFile) as error:
+        raise BenchError(f"{path}: is damaged: {_one_line(error)}.") from error
+
+
+def _plain_name(scenario: str) -> str:
+    """A scenario's name as a part of a file's name."""
+    return re.sub(r"[^A-Za-z0-9_-]+", "_", scenario)[:60]
 
 
 def _publish(part: Path, folder: Path) -> None:
@@ -282,16 +352,18 @@ def _load_meta(folder: Path) -> dict[str, Any]:
             f"this version reads {SCHEMA_VERSION}."
         )
     shapes = {"name": str, "files": dict, "scenarios": list, "pictures": list, "timing": list}
-    for name, kind in {**shapes, "provenance": dict, "complete": bool}.items():
+    shapes |= {"films": list, "provenance": dict}
+    for name, kind in {**shapes, "complete": bool}.items():
         if not isinstance(meta.get(name), kind):
             raise BenchError(f"{path}: is damaged: {name!r} is missing or not a {kind.__name__}.")
     listed = set(meta["files"])
     for needed in [f"{name}.parquet" for name in TABLES]:
         if needed not in listed:
             raise BenchError(f"{path}: is damaged: {needed} is not listed.")
-    for picture in meta["pictures"]:
-        if not isinstance(picture, dict) or picture.get("file") not in listed:
-            raise BenchError(f"{path}: is damaged: a picture is not listed among the files.")
+    for what, entries in (("picture", meta["pictures"]), ("film", meta["films"])):
+        for entry in entries:
+            if not isinstance(entry, dict) or entry.get("file") not in listed:
+                raise BenchError(f"{path}: is damaged: a {what} is not listed among the files.")
     return meta
 
 

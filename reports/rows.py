@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 import pyarrow as pa
@@ -13,13 +13,19 @@ import pyarrow as pa
 from pjpdaf.arrays import Floats
 from pjpdaf.targets import TARGETS
 from reports.events import count_events, find_events
-from reports.records import STAGES, VIEWS, Episode, EpisodeFailure, Picture
-from reports.score import BANDS_M, EpisodeScore, score
+from reports.gospa import gospa
+from reports.mot import ClearCounts, HotaCounts, IdentityCounts, clear_mot, hota, identity
+from reports.records import STAGES, VIEWS, Episode, EpisodeFailure, Picture, Still
+from reports.score import BANDS_M, EpisodeScore, quantile, score
 
 Row = dict[str, object]
 
+# Of everything that is computed here: results of different versions are not compared.
+METRICS_VERSION = 1
+
 _TEXT, _INT, _FLOAT, _BOOL = pa.string(), pa.int64(), pa.float64(), pa.bool_()
 _KEY = [("scenario", _TEXT), ("seed", _INT)]
+CLEAR, IDENTITY, HOTA = fields(ClearCounts), fields(IdentityCounts), fields(HotaCounts)
 _COVARIANCE = ("xx", "xy", "xz", "yy", "yz", "zz")
 
 FRAMES = pa.schema(
@@ -58,6 +64,9 @@ EPISODES = pa.schema(
         ("digest", _TEXT),
         ("failure", _TEXT),
         ("fps", _FLOAT),
+        ("redrawn", _INT),
+        ("median_error_mm", _FLOAT),
+        ("median_err_acc_px", _FLOAT),
         *[(prefix + name, _INT) for prefix in ("", "merged_") for name in _COUNTED],
         *[
             (prefix + part + name, _INT if part == "n_" else _FLOAT)
@@ -79,6 +88,19 @@ EPISODES = pa.schema(
     ]
 )
 
+# One row an episode: what multi-object tracking scores are made of (`reports.mot`, `gospa`).
+TRACKING = pa.schema(
+    [
+        *_KEY,
+        ("frames", _INT),
+        *[(f"clear_{f.name}", _FLOAT if f.name == "sum_distance_m" else _INT) for f in CLEAR],
+        *[(f"identity_{f.name}", _INT) for f in IDENTITY],
+        *[(f"hota_{f.name}", pa.list_(_FLOAT)) for f in HOTA],
+        ("sum_gospa_mm", _FLOAT),
+        *[(f"sum_gospa_{part}_mm2", _FLOAT) for part in ("localisation", "missed", "false")],
+    ]
+)
+
 EVENTS = pa.schema(
     [
         *_KEY,
@@ -93,10 +115,38 @@ EVENTS = pa.schema(
     ]
 )
 
+# What the detector found, one row a detection; in undistorted pixels. a, b: half axes; angle of
+# the long one from +x towards +y.
+DETECTIONS = pa.schema(
+    [
+        *_KEY,
+        ("frame", _INT),
+        ("view", _TEXT),
+        *[(f"{name}_px", _FLOAT) for name in ("x", "y", "a", "b")],
+        ("angle_rad", _FLOAT),
+        ("area_px", _FLOAT),
+    ]
+)
+
+# One row an episode and view: the cameras as they really were (`pjpdaf.camera.Camera`, matrices
+# row by row), with which positions can be drawn into the pictures.
+CAMERAS = pa.schema(
+    [
+        *_KEY,
+        ("view", _TEXT),
+        ("width_px", _INT),
+        ("height_px", _INT),
+        *[(name, pa.list_(_FLOAT)) for name in ("K", "R_cw", "t_cw", "distortion")],
+    ]
+)
+
 
 @dataclass(frozen=True, eq=False)
 class EpisodeRows:
     """What is kept of one episode. frames, events: columns of `FRAMES`, `EVENTS`; episodes: 3 rows.
+
+    tracking: the row of `TRACKING`, None of an episode without a result. detections: columns of
+    `DETECTIONS`; cameras: the rows of `CAMERAS`.
 
     stage_s: wall time summed over the frames [s], never part of the tables.
     """
@@ -111,6 +161,10 @@ class EpisodeRows:
     stage_s: Mapping[str, float]
     frame_count: int
     failure: str = ""
+    tracking: Row | None = None
+    detections: Mapping[str, list[object]] = field(default_factory=dict)
+    cameras: tuple[Row, ...] = ()
+    film: tuple[Still, ...] = ()
 
 
 def rows_of(played: Episode | EpisodeFailure) -> EpisodeRows:
@@ -140,7 +194,31 @@ def rows_of(played: Episode | EpisodeFailure) -> EpisodeRows:
         pictures=played.pictures,
         stage_s={s: sum(o.stage_s.get(s, 0.0) for o in played.frames) for s in stages},
         frame_count=len(played.frames),
+        tracking=_tracking_row(played),
+        detections=_detection_columns(played),
+        cameras=_camera_rows(played),
+        film=played.film,
     )
+
+
+def _tracking_row(episode: Episode) -> Row:
+    """Multi-object tracking counts of an episode."""
+    truths = np.stack([outcome.truth.centres_m for outcome in episode.frames])
+    estimates = np.stack([outcome.estimates.positions_m for outcome in episode.frames])
+    row: Row = {"scenario": episode.scenario, "seed": episode.seed, "frames": len(truths)}
+    counted = (
+        ("clear", CLEAR, clear_mot(truths, estimates)),
+        ("identity", IDENTITY, identity(truths, estimates)),
+    )
+    for prefix, names, counts in counted:
+        row |= {f"{prefix}_{f.name}": getattr(counts, f.name) for f in names}
+    found = hota(truths, estimates)
+    row |= {f"hota_{f.name}": getattr(found, f.name).tolist() for f in HOTA}
+    parts = gospa(truths, estimates)
+    row["sum_gospa_mm"] = math.fsum(1e3 * part.distance_m for part in parts)
+    for name in ("localisation", "missed", "false"):
+        row[f"sum_gospa_{name}_mm2"] = math.fsum(1e6 * getattr(part, name) for part in parts)
+    return row
 
 
 def _frame_columns(episode: Episode, result: EpisodeScore) -> dict[str, list[object]]:
@@ -184,6 +262,43 @@ def _frame_columns(episode: Episode, result: EpisodeScore) -> dict[str, list[obj
     return {name: columns[name] for name in FRAMES.names}
 
 
+def _detection_columns(episode: Episode) -> dict[str, list[object]]:
+    """A value per detection in each column: frame by frame, view by view, in the detector's order.
+
+    Detections are not in any order of targets: the detector does not know these.
+    """
+    columns: dict[str, list[object]] = {name: [] for name in DETECTIONS.names}
+    for outcome in episode.frames:
+        for view, seen in zip(VIEWS, outcome.detections, strict=False):
+            n = len(seen)
+            columns["scenario"] += [episode.scenario] * n
+            columns["seed"] += [episode.seed] * n
+            columns["frame"] += [outcome.truth.index] * n
+            columns["view"] += [view] * n
+            shape = ("x_px", "y_px", "a_px", "b_px", "angle_rad")
+            for name, values in zip(shape, seen.ellipses.T, strict=True):
+                columns[name] += _plain(values)
+            columns["area_px"] += _plain(seen.areas_px)
+    return columns
+
+
+def _camera_rows(episode: Episode) -> tuple[Row, ...]:
+    return tuple(
+        {
+            "scenario": episode.scenario,
+            "seed": episode.seed,
+            "view": view,
+            "width_px": camera.width_px,
+            "height_px": camera.height_px,
+            "K": camera.K.ravel().tolist(),
+            "R_cw": camera.R_cw.ravel().tolist(),
+            "t_cw": camera.t_cw.tolist(),
+            "distortion": camera.distortion.tolist(),
+        }
+        for view, camera in zip(VIEWS, episode.cameras, strict=True)
+    )
+
+
 def _plain(values: Floats) -> list[object]:
     """Flat list; one kind of NaN and of zero, so that bytes depend on values alone."""
     flat = np.where(np.isnan(values), np.nan, values + 0.0).ravel()
@@ -203,6 +318,9 @@ def _episode_rows(episode: Episode, result: EpisodeScore) -> tuple[Row, ...]:
             "digest": episode.digest,
             "failure": "",
             "fps": float(episode.fps),
+            "redrawn": episode.redrawn,
+            "median_error_mm": quantile(result.error_m[:, t] * 1e3, 0.5),
+            "median_err_acc_px": quantile(result.err_acc_px[:, t], 0.5),
         }
         everything = np.ones(len(episode.frames), dtype=bool)
         for prefix, chosen in (("", everything), ("merged_", result.merged[:, t])):

@@ -14,9 +14,9 @@ import pyarrow.parquet as pq
 
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, distort_points, project
-from pjpdaf.errors import BenchError
 from pjpdaf.interfaces import Estimates
 from pjpdaf.targets import TARGETS
+from reports.files import disk_faults
 
 CSV, PARQUET = "tracks.csv", "tracks.parquet"
 _NUMBERS = (
@@ -76,42 +76,39 @@ class TrackWriter:
     """Writes both files into a folder; memory does not grow with their length.
 
     tracks.csv has every frame that `add` was called for, even where the process is killed;
-    tracks.parquet is complete after `close`. Raises BenchError where the disk refuses.
+    tracks.parquet is complete after `close`. Raises BenchError where the disk refuses,
+    InfrastructureError where it is full.
     """
 
     def __init__(self, folder: Path, cameras: Sequence[Camera]) -> None:
         self._cameras = tuple(cameras)
         self._folder = folder
         self._held: list[dict[str, Any]] = []
-        try:
+        with disk_faults(folder, "the tracks"):
+            self._parquet = pq.ParquetWriter(folder / PARQUET, SCHEMA, compression="zstd")
             self._csv = (folder / CSV).open("w", encoding="utf-8", newline="")
             self._csv.write(",".join(COLUMNS) + "\n")
-            self._parquet = pq.ParquetWriter(folder / PARQUET, SCHEMA, compression="zstd")
-        except OSError as error:
-            raise self._fault(error) from error
 
     def add(self, index: int, time_s: float, estimates: Estimates) -> None:
         """The rows of one frame."""
         rows = track_rows(index, time_s, self._cameras, estimates)
-        try:
+        with disk_faults(self._folder, "the tracks"):
             # One write and a flush: a frame is in the file as a whole or not at all.
             self._csv.write("".join(_line(row) for row in rows))
             self._csv.flush()
             self._held += rows
             if len(self._held) >= GROUP_FRAMES * len(TARGETS):
                 self._hand_over()
-        except OSError as error:
-            raise self._fault(error) from error
 
     def close(self) -> None:
         """Finish both files; safe to call twice."""
-        try:
+        with disk_faults(self._folder, "the tracks"):
             if not self._csv.closed:
-                self._hand_over()
-                self._parquet.close()
-                self._csv.close()
-        except OSError as error:
-            raise self._fault(error) from error
+                try:
+                    self._hand_over()
+                    self._parquet.close()
+                finally:
+                    self._csv.close()
 
     def __enter__(self) -> TrackWriter:
         return self
@@ -128,9 +125,6 @@ class TrackWriter:
         if self._held:
             self._parquet.write_table(pa.Table.from_pylist(self._held, schema=SCHEMA))
             self._held = []
-
-    def _fault(self, error: OSError) -> BenchError:
-        return BenchError(f"{self._folder}: cannot write the tracks: {error.strerror or error}.")
 
 
 def _line(row: dict[str, Any]) -> str:

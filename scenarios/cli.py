@@ -5,8 +5,10 @@ from __future__ import annotations
 import errno
 import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, TextIO, cast
 
 import typer
 
@@ -232,28 +234,99 @@ def doctor() -> None:
 
 
 @scenarios_app.command("list")
-def scenarios_list() -> None:
-    """All shipped scenarios and suites, one line each."""
-    from scenarios.catalogue import load_scenario, load_suite, scenario_names, suite_names
+def scenarios_list(
+    html: Annotated[
+        Path | None,
+        typer.Option(metavar="OUT.html", help="Instead: one page with a picture of each scenario."),
+    ] = None,
+    markdown: Annotated[
+        Path | None,
+        typer.Option(metavar="OUT.md", help="Instead: the same as Markdown, pictures beside it."),
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(help="Worker processes for the pictures [all cores].")
+    ] = None,
+) -> None:
+    """All shipped scenarios and suites: group, frames x frames a second, T if from the thesis."""
+    if html is None and markdown is None:
+        from scenarios.listing import lines
 
-    for name in scenario_names():
-        scenario = load_scenario(name)
-        typer.echo(f"{name:18} {scenario.group:14} {scenario.summary}")
-    for name in suite_names():
-        suite = load_suite(name)
-        members = ", ".join(entry.scenario for entry in suite.scenarios)
-        typer.echo(f"{name:18} {'suite':14} {members}")
+        for line in lines():
+            typer.echo(line)
+        return
+    from scenarios.gallery import write_catalogue
+    from scenarios.run import worker_count
+
+    for path in write_catalogue(html, markdown, worker_count(jobs)):
+        typer.echo(f"catalogue: {path}")
 
 
 @scenarios_app.command("show")
 def scenarios_show(
     name: Annotated[str, typer.Argument(metavar="SCENARIO", help="Name, or YAML file.")],
     seed: Annotated[int, typer.Option(help="The seed whose drawn values are shown.")] = 0,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Change a scenario parameter. Repeatable.",
+        ),
+    ] = None,
+    film: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="OUT.mp4|OUT.png",
+            help="Film it with its truth drawn in, or put twelve frames on one sheet.",
+        ),
+    ] = None,
+    frames: Annotated[
+        str | None, typer.Option(metavar="A:B", help="With --film: only frames A to B.")
+    ] = None,
 ) -> None:
-    """A scenario's parameters: unit, range, distribution, and the values that a seed draws."""
-    from scenarios.describe import describe
+    """A scenario's parameters: unit, range, distribution, and the values that a seed draws.
 
-    describe(name, seed)
+    With --film both views instead, with the exact truth: outline of the visible skin, projected
+    centre and its path, visible share, merged targets, events.
+    """
+    if film is None:
+        if frames:
+            raise BenchError("--frames is for a film: give --film OUT.mp4 or OUT.png.")
+        from scenarios.describe import describe
+        from scenarios.show import scenario_settings
+
+        describe(name, seed, scenario_settings(tuple(settings or ())))
+        return
+    from scenarios.show import ShowRequest, show
+
+    typer.echo(show(ShowRequest(name, seed, tuple(settings or ()), film, frames)))
+
+
+@scenarios_app.command("measure")
+def scenarios_measure(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[SCENARIO]...", help="Names, or YAML files.")
+    ] = None,
+    seeds: Annotated[int, typer.Option(help="Draws of each scenario, seeds 0 to N-1.")] = 3,
+) -> None:
+    """Could a person do it? Penetration, reach, joints, speeds, before anything is rendered.
+
+    Without a name: the whole catalogue. Exit code 1 if a limit is passed.
+    """
+    from rich.console import Console
+
+    from scenarios.catalogue import load_scenario, scenario_names
+    from scenarios.survey import survey, survey_table
+
+    if not 1 <= seeds <= 1000:
+        raise BenchError(f"--seeds must be between 1 and 1000, got {seeds}")
+    surveys = [survey(load_scenario(n), range(seeds)) for n in names or scenario_names()]
+    console = Console()
+    # A pipe has no width: the table is kept whole there.
+    console = console if console.is_terminal else Console(width=120)
+    console.print(survey_table(surveys))
+    if any(found.faults for found in surveys):
+        raise typer.Exit(1)
 
 
 @scenarios_app.command("validate")
@@ -286,8 +359,58 @@ def scenarios_schema() -> None:
     typer.echo(json.dumps(json_schema(), indent=2))
 
 
+class _Stream:
+    """Standard output or error that outlives its reader (| head).
+
+    What nobody reads is thrown away; the work goes on to its end and keeps its exit code.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def write(self, text: str) -> int:
+        try:
+            return self._stream.write(text)
+        except BrokenPipeError:
+            self._turn_away()
+            return len(text)
+
+    def flush(self) -> None:
+        try:
+            self._stream.flush()
+        except BrokenPipeError:
+            self._turn_away()
+
+    def _turn_away(self) -> None:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, self._stream.fileno())
+        os.close(nowhere)
+
+
+@contextmanager
+def _outliving_readers() -> Iterator[None]:
+    before = sys.stdout, sys.stderr
+    # A stream that was closed from the start (>&-) is None, and may stay it.
+    sys.stdout, sys.stderr = (s and cast(TextIO, _Stream(s)) for s in before)
+    try:
+        yield
+    finally:
+        for stream in (sys.stdout, sys.stderr):
+            if stream is not None:
+                stream.flush()
+        sys.stdout, sys.stderr = before
+
+
 def main() -> None:
     """Entry point: a fault that the user can put right is one line and an exit code."""
+    with _outliving_readers():
+        _run_app()
+
+
+def _run_app() -> None:
     try:
         app(standalone_mode=True)
     except BenchError as fault:
@@ -296,10 +419,6 @@ def main() -> None:
     except KeyboardInterrupt:
         sys.stderr.write("pjpdaf-bench: interrupted\n")
         raise SystemExit(130) from None
-    except BrokenPipeError:
-        # The reader of our output went away (| head): not our fault, and nothing to say it to.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        raise SystemExit(0) from None
     except OSError as fault:
         if fault.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
             raise

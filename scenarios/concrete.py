@@ -10,20 +10,21 @@ import numpy as np
 from pjpdaf.errors import BenchError
 from scenarios import filming, surroundings
 from scenarios.catalogue import load_scenario
-from scenarios.parameters import UNITS, Numeric, nearest
+from scenarios.parameters import UNITS, FileText, Numeric, nearest
 from scenarios.spec import MAX_FRAMES, Scenario
 from sim.contact import Unposable
 from sim.extras import NO_EXTRAS, Extras, WithExtras
 from sim.gestures import GESTURES
 from sim.measure import fault_of
 from sim.motion import Performer
+from sim.opening import with_opening
 from sim.randomness import generator
 from sim.script import Performance
 from sim.specs import SceneSpec
 from sim.stage import Stage, Value, Values
 
 MAX_DRAWS = 20  # of a seed
-MOST_JUDGED = 400  # poses of a draw
+JUDGED_HZ, MOST_JUDGED = 6.0, 400  # poses of a draw
 
 SETTINGS = ("frames", "fps", "background_frames")  # fields that `--set` may change as well
 
@@ -35,8 +36,8 @@ def concrete(
 
     Each draw is addressed by (seed, family, parameter): changing one moves no other, and twins of a
     family share those of the same name. redraw: the draw after this many that were thrown away.
-    overrides: parameter -> number, or text such as "0.3 m/s"; raises BenchError with unit and range
-    for one that does not fit.
+    overrides: parameter -> number, text such as "0.3 m/s", or a file's name; raises BenchError with
+    unit and range for one that does not fit.
     """
     overrides = dict(overrides or {})
     known = (*scenario.parameters, *SETTINGS)
@@ -60,7 +61,8 @@ def _stream(scenario: Scenario, seed: int, redraw: int, name: str) -> np.random.
     return generator(seed, f"{scenario.family}/{again}{name}")
 
 
-def _setting(scenario: Scenario, overrides: Mapping[str, Value], name: str) -> float:
+def setting_of(scenario: Scenario, overrides: Mapping[str, Value], name: str) -> float:
+    """A value of `SETTINGS`, the scenario's own unless it is set. Raises BenchError."""
     if name not in overrides:
         return float(getattr(scenario, name))
     least, most = {"fps": (1, 30), "frames": (1, MAX_FRAMES), "background_frames": (0, 500)}[name]
@@ -94,12 +96,17 @@ def scene_of(scenario: Scenario, values: Values, extras: Extras = NO_EXTRAS) -> 
 
 
 def in_si(scenario: Scenario, values: Mapping[str, Value]) -> dict[str, Value]:
-    """The same values with every number in the base unit of its kind (m, m/s, s, rad, ...)."""
+    """The same values with every number in the base unit of its kind (m, m/s, s, rad, ...).
+
+    A file becomes its absolute path. Raises BenchError where it is not what it was any more.
+    """
     converted: dict[str, Value] = {}
     for name, value in values.items():
         parameter = scenario.parameters[name]
         if isinstance(parameter, Numeric):
             converted[name] = float(value) * UNITS[parameter.unit][1]
+        elif isinstance(value, FileText):
+            converted[name] = str(value.unchanged())
         else:
             converted[name] = value
     return converted
@@ -139,8 +146,8 @@ def _drawn(
 ) -> Performance:
     """One draw as it is. Raises Unposable where a person could not make it."""
     values = in_si(scenario, concrete(scenario, seed, overrides, redraw))
-    fps = _setting(scenario, overrides, "fps")
-    frames = int(_setting(scenario, overrides, "frames"))
+    fps = setting_of(scenario, overrides, "fps")
+    frames = int(setting_of(scenario, overrides, "frames"))
 
     def streams(name: str) -> np.random.Generator:
         return _stream(scenario, seed, redraw, f"motion/{name}")
@@ -149,9 +156,11 @@ def _drawn(
     extras = surroundings.extras_of(values, streams, duration_s)
     scene = scene_of(scenario, values, extras)
     stage = Stage(scene=scene, values=values, streams=streams, duration_s=duration_s)
-    performer = Performer(scene, GESTURES[scenario.motion.kind].plan(stage))
-    # The draw is judged here, not in the middle of a sequence.
-    judged = np.linspace(0.0, (frames - 1) / fps, min(frames, MOST_JUDGED))
+    plan = GESTURES[scenario.motion.kind].plan(stage)
+    performer = Performer(scene, with_opening(stage, plan, str(values["start"])))
+    # The draw is judged here, not in the middle of a sequence, and alike at any frame rate.
+    moments = min(MOST_JUDGED, math.ceil(JUDGED_HZ * duration_s) + 1)
+    judged = np.linspace(0.0, duration_s, moments)
     fault = fault_of(performer, judged.tolist())
     if fault is not None:
         raise Unposable(fault)
@@ -160,7 +169,7 @@ def _drawn(
         script=WithExtras(performer, extras) if extras.tracks else performer,
         frames=frames,
         fps=fps,
-        background_frames=int(_setting(scenario, overrides, "background_frames")),
+        background_frames=int(setting_of(scenario, overrides, "background_frames")),
         seed=seed,
         learnt=extras.learnt,
         redrawn=redraw,

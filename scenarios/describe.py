@@ -2,24 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 from rich.console import Console
 from rich.table import Table
 
-from scenarios.catalogue import load_scenario
+from scenarios.catalogue import resolve, scenarios_of
 from scenarios.concrete import concrete, perform
-from scenarios.parameters import Choice, Fixed, Normal, Numeric, Parameter
-from scenarios.spec import Scenario, digest
+from scenarios.parameters import Choice, File, Fixed, Normal, Numeric, Parameter
+from scenarios.spec import Scenario, Suite, digest, suite_digest
 
 
-def describe(name: str, seed: int) -> None:
-    """Print a scenario's head and parameters, with the values of one seed. Raises BenchError."""
-    scenario = load_scenario(name)
-    values = concrete(scenario, seed, redraw=perform(scenario, seed).redrawn)
+def describe(name: str, seed: int, overrides: Mapping[str, str] | None = None) -> None:
+    """Print what a scenario or a suite is made of. Raises BenchError.
+
+    Of a scenario its parameters, with the values of one seed and what is set of them.
+    """
+    found = resolve(name)
+    if isinstance(found, Suite):
+        _print(_suite_head(found), _suite_table(found))
+    else:
+        _print(head(found), _scenario_table(found, seed, overrides or {}))
+
+
+def _print(lines: Iterable[str], table: Table) -> None:
     console = Console()
-    for line in head(scenario):
+    # A pipe has no width: the table is kept whole there.
+    console = console if console.is_terminal else Console(width=120)
+    for line in lines:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
+    console.print(table)
+
+
+def _scenario_table(scenario: Scenario, seed: int, overrides: Mapping[str, str]) -> Table:
+    redrawn = perform(scenario, seed, overrides).redrawn
+    values = concrete(scenario, seed, overrides, redrawn)
     table = Table(box=None, pad_edge=False)
     for column in ("parameter", "unit", "range", "nominal", f"seed {seed}", "meaning"):
         table.add_column(column, overflow="fold")
@@ -27,7 +44,37 @@ def describe(name: str, seed: int) -> None:
         value = values[key]
         shown = value if isinstance(value, str) else f"{float(value):.4g}"
         table.add_row(key, *_cells(parameter), shown, parameter.meaning)
-    console.print(table)
+    return table
+
+
+def _suite_head(suite: Suite) -> Iterator[str]:
+    members = {scenario.name: scenario for _, scenario in scenarios_of(suite)}
+    yield f"{suite.name} (suite, version {suite.version})"
+    yield suite.summary
+    yield f"{len(suite.scenarios)} entries, {suite.seeds} seeds each unless the entry says"
+    yield f"digest: {suite_digest(suite, members)}"
+    yield ""
+
+
+def _suite_table(suite: Suite) -> Table:
+    table = Table(box=None, pad_edge=False)
+    for column in ("entry", "scenario", "version", "frames", "seeds"):
+        table.add_column(column, no_wrap=True)
+    table.add_column("set", overflow="fold")
+    for entry, scenario in scenarios_of(suite):
+        frames, rates = entry.frames or scenario.frames, scenario.rates
+        length = f"{frames} x {scenario.fps:g}"
+        if rates:
+            length = f"{frames / scenario.fps:g} s x {len(rates)} rates"
+        table.add_row(
+            entry.label or scenario.name,
+            scenario.name,
+            str(scenario.version),
+            length,
+            str(entry.seeds or suite.seeds),
+            ", ".join(f"{key}={value}" for key, value in entry.overrides.items()),
+        )
+    return table
 
 
 def head(scenario: Scenario) -> Iterator[str]:
@@ -36,10 +83,11 @@ def head(scenario: Scenario) -> Iterator[str]:
     yield scenario.summary
     if scenario.thesis:
         yield f"thesis: {scenario.thesis}"
-    yield (
-        f"{scenario.frames} frames at {scenario.fps:g} a second, "
-        f"{scenario.background_frames} background frames"
-    )
+    length = f"{scenario.frames} frames at {scenario.fps:g} a second"
+    if scenario.rates:
+        rates = ", ".join(f"{rate:g}" for rate in scenario.rates)
+        length = f"{scenario.frames / scenario.fps:g} s at {rates} frames a second each"
+    yield f"{length}, {scenario.background_frames} background frames"
     yield f"digest: {digest(scenario)}"
     yield ""
 
@@ -49,6 +97,8 @@ def _cells(parameter: Parameter) -> tuple[str, str, str]:
     if isinstance(parameter, Choice):
         weights = "" if parameter.weights is None else str(list(parameter.weights))
         return "", ", ".join(parameter.choices), weights or "equally likely"
+    if isinstance(parameter, File):
+        return "", "a file", parameter.file
     assert isinstance(parameter, Numeric)
     low, high = parameter.range
     nominal = parameter.nominal

@@ -99,8 +99,8 @@ def check_renderer() -> str:
 
     Raises InfrastructureError where OpenGL is missing or renders in the wrong place.
     """
-    with _pool(1) as pool:
-        return _renderer_of(pool)
+    with worker_pool(1) as pool:
+        return renderer_of(pool)
 
 
 def play_all(
@@ -120,8 +120,8 @@ def play_all(
     attempts = [0] * len(jobs)
     pending: dict[ProcessFuture[EpisodeRows | BenchError], int] = {}
     interrupted = False
-    with _pool(min(workers, len(jobs))) as pool:
-        renderer = _renderer_of(pool)
+    with worker_pool(min(workers, len(jobs))) as pool:
+        renderer = renderer_of(pool)
 
         def submit(index: int) -> None:
             attempts[index] += 1
@@ -173,7 +173,8 @@ def _failure(job: Job, reason: str) -> EpisodeRows:
     return rows_of(failure)
 
 
-def _pool(workers: int) -> ProcessPool:
+def worker_pool(workers: int) -> ProcessPool:
+    """A pool of processes that can render; close it or use `with`."""
     # Spawn, always: a child forked beside a GL context hangs.
     for name, value in WORKER_ENVIRONMENT.items():
         os.environ.setdefault(name, value)
@@ -184,7 +185,8 @@ def _pool(workers: int) -> ProcessPool:
     )
 
 
-def _renderer_of(pool: ProcessPool) -> str:
+def renderer_of(pool: ProcessPool) -> str:
+    """The renderer's description, from the self-test in a worker. Raises InfrastructureError."""
     try:
         with _interrupt_deferred():  # the first task starts the workers
             future = pool.schedule(_check_renderer, timeout=120)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import shutil
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from pjpdaf.errors import BenchError
+from reports.files import disk_faults, part_folder
 
 
 @contextmanager
@@ -16,24 +16,20 @@ def written_whole(folder: Path) -> Iterator[Path]:
     """A temporary folder beside `folder` to write into; at the end it becomes `folder`.
 
     An exception inside removes it. Raises BenchError where `folder` is a file or not empty, or
-    cannot be written.
+    cannot be written, InfrastructureError where the disk is full.
     """
     folder = folder.absolute()
-    try:
+    with disk_faults(folder, "the results"):
         if folder.exists() and not folder.is_dir():
             raise BenchError(f"{folder}: is a file; give a new folder.")
         if folder.is_dir() and any(folder.iterdir()):
             raise BenchError(f"{folder}: exists and is not empty; give another folder.")
         folder.parent.mkdir(parents=True, exist_ok=True)
-        part = Path(tempfile.mkdtemp(prefix=f".{folder.name}.part-", dir=folder.parent))
-    except OSError as error:
-        raise BenchError(f"{folder}: cannot be written: {error.strerror or error}.") from error
+        part = part_folder(folder)
     try:
         yield part
-        part.chmod(0o755)
-        try:
+        with disk_faults(folder, "the results"):
+            part.chmod(0o755)
             part.rename(folder)  # onto an empty folder too
-        except OSError as error:
-            raise BenchError(f"{folder}: cannot be written: {error.strerror or error}.") from error
     finally:
         shutil.rmtree(part, ignore_errors=True)

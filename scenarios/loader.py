@@ -19,6 +19,8 @@ from scenarios.spec import Scenario, Suite
 
 MAX_BYTES = 1 << 20
 MAX_DEPTH = 30
+_PACKAGE = Path(__file__).parent
+_SORTS = {"file": "File", "choices": "Choice"}  # the field that tells a sort of parameter
 _TAG = "tag:yaml.org,2002:"
 
 Path_ = tuple[str | int, ...]
@@ -31,17 +33,19 @@ class FileFault(BenchError):
 
     def __init__(self, file: str, at: tuple[int, int] | None, message: str) -> None:
         where = file if at is None else f"{file}:{at[0]}:{at[1]}"
-        super().__init__(f"{where}: {message}")
+        # What is quoted from the file may hold anything; a fault stays one line.
+        plain = "".join(c if c.isprintable() else "?" for c in f"{where}: {message}")
+        super().__init__(plain)
 
 
 def load_scenario_file(path: Path | str) -> Scenario:
     """The scenario of a YAML file. Raises BenchError with the place of the first fault."""
-    return parse(read_text(path), str(path), Scenario)
+    return parse(read_text(path), str(path), Scenario, Path(path).parent)
 
 
 def load_suite_file(path: Path | str) -> Suite:
     """The suite of a YAML file. Raises BenchError with the place of the first fault."""
-    return parse(read_text(path), str(path), Suite)
+    return parse(read_text(path), str(path), Suite, Path(path).parent)
 
 
 def load_either_file(path: Path | str) -> Scenario | Suite:
@@ -49,8 +53,8 @@ def load_either_file(path: Path | str) -> Scenario | Suite:
     text = read_text(path)
     data, _ = _data_of(text, str(path))
     if isinstance(data, dict) and "scenarios" in data:
-        return parse(text, str(path), Suite)
-    return parse(text, str(path), Scenario)
+        return parse(text, str(path), Suite, Path(path).parent)
+    return parse(text, str(path), Scenario, Path(path).parent)
 
 
 def json_schema() -> dict[str, Any]:
@@ -91,13 +95,19 @@ def read_text(path: Path | str) -> str:
         raise FileFault(str(path), (line, column), "is not UTF-8 text") from None
 
 
-def parse(text: str, file: str, record: type[R]) -> R:
-    """A record of YAML text; `file` names it in faults."""
+def parse(text: str, file: str, record: type[R], folder: Path | None = None) -> R:
+    """A record of YAML text; `file` names it in faults.
+
+    folder: where the files that it names lie. None: the text is a shipped one, and `file` its name
+    below this package.
+    """
+    if folder is None:
+        folder = (_PACKAGE / file).parent
     data, positions = _data_of(text, file)
     if not isinstance(data, dict):
         raise FileFault(file, (1, 1), f"must be a mapping of fields, got {_kind(data)}")
     try:
-        return record.model_validate(data)
+        return record.model_validate(data, context={"folder": folder})
     except ValidationError as fault:
         places = [
             _place_and_words(dict(error), data, positions, record) for error in fault.errors()
@@ -239,7 +249,8 @@ def _fields_near(path: Path_, data: Any, record: type[BaseModel]) -> list[str]:
     if parts[0] == "parameters" and record is Scenario:
         if len(parts) == 2:
             siblings = data["parameters"][parts[1]]
-            return list(definitions["Choice" if "choices" in siblings else "Numeric"]["properties"])
+            sort = next((s for f, s in _SORTS.items() if f in siblings), "Numeric")
+            return list(definitions[sort]["properties"])
         if len(parts) == 3:
             kind = data["parameters"][parts[1]]["nominal"].get("kind")
             for name in ("Uniform", "LogUniform", "Normal", "Fixed"):

@@ -1,4 +1,4 @@
-"""A parameter: a number with unit, range and nominal distribution, or one of some words.
+"""A parameter: a number with unit, range and nominal distribution, one of some words, or a file.
 
 Values are kept in physical units; `latent` gives the same value as a standard-normal number for
 those who search.
@@ -7,9 +7,12 @@ those who search.
 from __future__ import annotations
 
 import difflib
+import hashlib
 import math
 import re
 from collections.abc import Collection, Mapping
+from functools import lru_cache
+from pathlib import Path, PureWindowsPath
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
@@ -19,6 +22,9 @@ from pydantic import (
     Field,
     Strict,
     Tag,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    field_serializer,
     field_validator,
     model_validator,
 )
@@ -26,6 +32,7 @@ from pydantic_core import PydanticCustomError
 from scipy.special import ndtr, ndtri
 
 from pjpdaf.errors import BenchError
+from sim.clip_files import MAX_BYTES, SUFFIXES
 from sim.stage import Value
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
@@ -48,11 +55,16 @@ UNITS: Mapping[str, tuple[str, float]] = {
     "deg": ("rad", math.pi / 180.0),
     "px": ("px", 1.0),
     "grey": ("grey", 1.0),
+    "Hz": ("Hz", 1.0),
+    "K": ("K", 1.0),
+    "EV": ("EV", 1.0),
     "1": ("1", 1.0),
+    "%": ("1", 0.01),
 }
 Unit = Literal[
-    "m", "cm", "mm", "m/s", "cm/s", "mm/s", "km/h", "s", "ms", "rad", "deg", "px", "grey", "1"
-]
+    "m", "cm", "mm", "m/s", "cm/s", "mm/s", "km/h", "s", "ms", "rad", "deg", "px", "grey",
+    "Hz", "K", "EV", "1", "%",
+]  # fmt: skip
 _QUANTITY = re.compile(
     r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*([^\s\d.+-]\S*|1)?\s*", re.ASCII
 )
@@ -275,19 +287,134 @@ class Choice(Record):
         return str(value)
 
 
+class FileText(str):
+    """A file as it was named, with where it is and what is in it; in results, only the name.
+
+    path: absolute; sha256: hexadecimal, of its content when it was named.
+    """
+
+    path: Path
+    sha256: str
+
+    def __new__(cls, given: str, path: Path, sha256: str) -> FileText:
+        """The name with what it stands for."""
+        self = super().__new__(cls, given)
+        self.path, self.sha256 = path, sha256
+        return self
+
+    def __reduce__(self) -> tuple[type[FileText], tuple[str, Path, str]]:
+        return FileText, (str(self), self.path, self.sha256)
+
+    def unchanged(self) -> Path:
+        """The path, once more proved to hold what it held. Raises BenchError where it does not."""
+        try:
+            now = _sha256(self.path)
+        except ValueError as fault:
+            raise BenchError(f"{self}: {fault}") from None
+        if now != self.sha256:
+            raise BenchError(f"{self}: has changed since it was named; start again")
+        return self.path
+
+
+def file_named(given: str, folder: Path | None = None) -> FileText:
+    """The file of a name: below `folder`, whatever links lead there, or anywhere where None.
+
+    Raises ValueError with the rule that it breaks.
+    """
+    path = Path(given)
+    if not given or "\0" in given:
+        raise ValueError("must be the name of a file")
+    if not given.lower().endswith(SUFFIXES):
+        raise ValueError(f"must end in {', '.join(SUFFIXES)}, got {given[:200]!r}")
+    if folder is not None:
+        whole = path.is_absolute() or PureWindowsPath(given).drive or given.startswith("~")
+        if whole or not (folder / path).resolve().is_relative_to(folder.resolve()):
+            raise ValueError(f"must lie in the folder of this file or below, got {given[:200]!r}")
+        path = folder / path
+    path = path.absolute()
+    return FileText(given, path, _sha256(path))
+
+
+def _sha256(path: Path) -> str:
+    try:
+        if not path.exists():
+            raise ValueError(f"no such file: {path}")
+        if not path.is_file():
+            raise ValueError(f"is not a file: {path}")
+        state = path.stat()
+        if state.st_size > MAX_BYTES:
+            raise ValueError(f"is larger than {MAX_BYTES >> 20} MiB: {path}")
+        return _sha256_of(path, state.st_size, state.st_mtime_ns)
+    except OSError as fault:
+        reason = (fault.strerror or str(fault)).lower()
+        raise ValueError(f"cannot be read: {reason}: {path}") from None
+
+
+@lru_cache(maxsize=64)
+def _sha256_of(path: Path, size: int, mtime_ns: int) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+class File(Record):
+    """A file: in a YAML file below that file's folder, set by hand from anywhere."""
+
+    file: Text
+    meaning: Text = ""
+
+    @field_validator("file", mode="wrap")
+    @classmethod
+    def _found(cls, value: Any, text: ValidatorFunctionWrapHandler, info: ValidationInfo) -> str:
+        if isinstance(value, FileText):
+            return value
+        return found_file(text(value), info)
+
+    @field_serializer("file", when_used="json")
+    def _content(self, file: str) -> str:
+        """In JSON, of which digests are made, the content stands for the name."""
+        assert isinstance(file, FileText)
+        return f"sha256:{file.sha256}"
+
+    def at(self, share: float) -> str:
+        """The file, whatever the share: nothing is drawn."""
+        return self.file
+
+    def check(self, name: str, value: Value) -> str:
+        """A file set by hand. Raises BenchError where it cannot be one."""
+        if isinstance(value, FileText):
+            return value
+        try:
+            return file_named(str(value))
+        except ValueError as fault:
+            raise BenchError(f"{name}: {fault}") from None
+
+
+def found_file(given: str, info: ValidationInfo, at: str = "") -> FileText:
+    """`file_named` below the folder that the validation's context names, if it names one."""
+    try:
+        return file_named(given, (info.context or {}).get("folder"))
+    except ValueError as fault:
+        place = {"at": at} if at else {}
+        raise PydanticCustomError("file", "{fault}", {"fault": str(fault), **place}) from None
+
+
 def fault_at(message: str, at: str) -> PydanticCustomError:
     """A fault of a part of a record: `at` is the path below it that the loader points to."""
     return PydanticCustomError("fault", "{fault}", {"fault": message, "at": at})
 
 
 def _sort_of(data: Any) -> str:
+    if isinstance(data, File) or (isinstance(data, Mapping) and "file" in data):
+        return "from a file"  # no word that may be a field: locations of faults carry it
     if isinstance(data, Choice) or (isinstance(data, Mapping) and "choices" in data):
         return "choice"
     return "numeric"
 
 
 Parameter = Annotated[
-    Annotated[Numeric, Tag("numeric")] | Annotated[Choice, Tag("choice")], Discriminator(_sort_of)
+    Annotated[Numeric, Tag("numeric")]
+    | Annotated[Choice, Tag("choice")]
+    | Annotated[File, Tag("from a file")],
+    Discriminator(_sort_of),
 ]
 
 

@@ -13,9 +13,11 @@ from pjpdaf.camera import StereoRig
 from pjpdaf.interfaces import Detector, Estimates, Tracker
 from pjpdaf.registry import make_detector, make_tracker
 from reports.overlay import overlay_jpeg
-from reports.records import Episode, FrameOutcome, Picture
+from reports.records import Episode, FrameOutcome, Picture, Still
+from reports.stills import still
 from scenarios.concrete import concrete, perform
-from scenarios.spec import Scenario, digest
+from scenarios.parameters import File
+from scenarios.spec import Scenario, contents, digest
 from sim.sequence import Simulation
 from sim.stage import Value
 from sim.truth import Truth
@@ -38,7 +40,9 @@ class System:
 class Job:
     """One episode to play: a pure function of (scenario, seed, overrides, system).
 
-    label: its name in the results, where that is not the scenario's.
+    keep_pictures: of some frames; keep_film: small and plain, of all frames.
+    label: its name in the results, where that is not the scenario's. Files among the overrides are
+    found when the job is made: raises BenchError where that fails.
     """
 
     scenario: Scenario
@@ -47,6 +51,15 @@ class Job:
     system: System
     keep_pictures: bool = False
     label: str = ""
+    keep_film: bool = False
+
+    def __post_init__(self) -> None:
+        found = dict(self.overrides)
+        for name, value in self.overrides.items():
+            parameter = self.scenario.parameters.get(name)
+            if isinstance(parameter, File):
+                found[name] = parameter.check(name, value)
+        object.__setattr__(self, "overrides", found)
 
     @property
     def name(self) -> str:
@@ -55,11 +68,13 @@ class Job:
 
 
 def digest_of(job: Job) -> str:
-    """SHA-256 of an episode: scenario, seed, changed values. Same digest, same pictures.
+    """SHA-256 of an episode: scenario, seed, changed values, what is in its files.
+
+    Same digest, same pictures.
 
     The system under test is not part of it, so that runs of two trackers can be paired.
     """
-    changes = json.dumps(dict(job.overrides), sort_keys=True)
+    changes = json.dumps(contents(job.overrides), sort_keys=True)
     return hashlib.sha256(f"{digest(job.scenario)} {job.seed} {changes}".encode()).hexdigest()
 
 
@@ -78,6 +93,8 @@ def play(job: Job) -> Episode:
     performance = perform(job.scenario, job.seed, job.overrides)
     gallery = _Gallery(performance.frames) if job.keep_pictures else None
     outcomes = []
+    pictures: list[Picture] = []
+    film: list[Still] = []
     with Simulation(performance) as simulation:
         detector, tracker = parts_of(job.system, simulation.calibration)
         detector = detector.learn(simulation.background())
@@ -110,9 +127,12 @@ def play(job: Job) -> Episode:
             }
             slim = tuple(replace(d, mask=None) for d in seen)
             outcomes.append(FrameOutcome(truth, estimates, slim, stages_s))
-            if gallery is not None and gallery.wants(truth):
+            wanted = gallery is not None and gallery.wants(truth)
+            if wanted:
                 picture = overlay_jpeg(frame, simulation.rig.cameras, seen, estimates, truth)
-                gallery.add(Picture(frame.index, picture))
+                pictures.append(Picture(frame.index, picture))
+            if wanted or job.keep_film:
+                film.append(Still(frame.index, still(frame, simulation.rig.cameras)))
         return Episode(
             scenario=job.name,
             group=job.scenario.group,
@@ -123,7 +143,8 @@ def play(job: Job) -> Episode:
             digest=digest_of(job),
             values=concrete(job.scenario, job.seed, job.overrides, performance.redrawn),
             redrawn=performance.redrawn,
-            pictures=() if gallery is None else tuple(gallery.pictures),
+            pictures=tuple(pictures),
+            film=tuple(film),
         )
 
 
@@ -135,7 +156,6 @@ class _Gallery:
         self._even = set(range(0, frames, step))
         self._merged: tuple[bool, ...] = ()
         self._left = MAX_PICTURES - len(self._even)
-        self.pictures: list[Picture] = []
 
     def wants(self, truth: Truth) -> bool:
         merged = tuple(bool(view.merged.any()) for view in truth.views)
@@ -147,6 +167,3 @@ class _Gallery:
             self._left -= 1
             return True
         return False
-
-    def add(self, picture: Picture) -> None:
-        self.pictures.append(picture)

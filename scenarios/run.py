@@ -7,6 +7,7 @@ import signal
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -20,9 +21,10 @@ from reports.results import RunInfo, check_free, load, save
 from reports.rows import EpisodeRows
 from reports.tables import count, rich_table, summarise
 from scenarios.catalogue import resolve, scenarios_of
-from scenarios.concrete import SETTINGS, perform
+from scenarios.concrete import SETTINGS, concrete, in_si, perform, setting_of
 from scenarios.execute import Played, play_all
-from scenarios.parameters import nearest
+from scenarios.filming import rig_of
+from scenarios.parameters import File, nearest
 from scenarios.play import Job, System
 from scenarios.progress import progress_bar
 from scenarios.spec import Scenario, Suite
@@ -180,14 +182,19 @@ def plan(request: RunRequest) -> list[Job]:
 
 
 def check(job: Job) -> None:
-    """Raise BenchError where scenario, values, detector or tracker of a job do not fit together."""
-    try:
-        performance = perform(job.scenario, job.seed, job.overrides)
-    except Unposable:
-        return  # of this seed alone; it becomes a failed episode
-    cameras = stereo_rig(performance.scene.rig).cameras
+    """Raise BenchError where scenario, values, detector or tracker of a job do not fit together.
+
+    Whether the motion can be posed is left to the worker, but for one that is read from a file.
+    """
+    values = in_si(job.scenario, concrete(job.scenario, job.seed, job.overrides))
+    cameras = stereo_rig(rig_of(values)).cameras
     make_detector(job.system.detector, cameras, job.system.detector_settings)
     make_tracker(job.system.tracker, cameras, job.system.tracker_settings)
+    for setting in SETTINGS:
+        setting_of(job.scenario, job.overrides, setting)
+    if any(isinstance(p, File) for p in job.scenario.parameters.values()):
+        with suppress(Unposable):  # of this seed alone; it becomes a failed episode
+            perform(job.scenario, job.seed, job.overrides)
 
 
 def parameters_of(request: RunRequest) -> dict[str, object]:

@@ -11,11 +11,21 @@ import json
 from collections.abc import Mapping
 from typing import Annotated, Self
 
-from pydantic import BaseModel, Field, Strict, field_validator, model_validator
+from pydantic import (
+    BaseModel,
+    Field,
+    Strict,
+    ValidationInfo,
+    field_serializer,
+    field_validator,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from scenarios.parameters import (
     UNITS,
+    File,
+    FileText,
     Name,
     Number,
     Numeric,
@@ -24,10 +34,13 @@ from scenarios.parameters import (
     Text,
     Whole,
     fault_at,
+    found_file,
     nearest,
 )
 from scenarios.standard import STANDARD
+from sim.clip_files import SUFFIXES
 from sim.gestures import GESTURES
+from sim.stage import Value
 
 MAX_FRAMES = 20_000
 
@@ -83,6 +96,8 @@ class Scenario(Record):
             if name not in self.parameters:
                 raise fault_at(f"{self.motion.kind} needs the parameter {name}", "parameters")
         for name, parameter in self.parameters.items():
+            if name in STANDARD and isinstance(parameter, File):
+                raise fault_at("cannot be a file", f"parameters.{name}.file")
             if name in STANDARD and isinstance(parameter, Numeric):
                 usual = STANDARD[name]
                 if isinstance(usual, Numeric) and UNITS[parameter.unit] != UNITS[usual.unit]:
@@ -97,19 +112,46 @@ def canonical(record: BaseModel) -> str:
     return json.dumps(record.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
 
 
+def contents(values: Mapping[str, Value]) -> dict[str, Value]:
+    """The same values with, for each file, its content instead of its name."""
+    return {
+        name: f"sha256:{value.sha256}" if isinstance(value, FileText) else value
+        for name, value in values.items()
+    }
+
+
 def digest(scenario: Scenario) -> str:
-    """SHA-256 of the canonical JSON of a scenario, hexadecimal."""
+    """SHA-256 of the canonical JSON of a scenario, hexadecimal; of a file, its content counts."""
     return hashlib.sha256(canonical(scenario).encode()).hexdigest()
 
 
 class Entry(Record):
-    """One line of a suite: a scenario, what to change of it, and its name in the results."""
+    """One line of a suite: a scenario, what to change of it, and its name in the results.
+
+    A text of overrides that ends as a clip does (no unit and no choice does) is a file, below the
+    suite's folder.
+    """
 
     scenario: Text
     label: Annotated[str, Strict(), Field(pattern=r"^[a-z][a-z0-9_.@+-]*$", max_length=60)] = ""
     frames: Annotated[Whole, Field(ge=1, le=MAX_FRAMES)] | None = None
     seeds: Annotated[Whole, Field(ge=1, le=100_000)] | None = None
     overrides: dict[Name, Annotated[float, Strict()] | Text] = Field(default_factory=dict)
+
+    @field_validator("overrides")
+    @classmethod
+    def _found(
+        cls, overrides: dict[str, float | str], info: ValidationInfo
+    ) -> dict[str, float | str]:
+        found = dict(overrides)
+        for name, value in overrides.items():
+            if isinstance(value, str) and value.lower().endswith(SUFFIXES):
+                found[name] = found_file(value, info, at=name)
+        return found
+
+    @field_serializer("overrides", when_used="json")
+    def _contents(self, overrides: dict[str, float | str]) -> dict[str, float | str]:
+        return contents(overrides)
 
 
 class Suite(Record):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -81,9 +82,9 @@ class Assets:
         material.texrepeat = list(repeat)
         return name
 
-    def cloth(self, name: str, rgb: RGB) -> str:
+    def cloth(self, name: str, rgb: RGB, pattern: str = "plain") -> str:
         """A material of woven cloth; its name."""
-        return self.painted(name, textures.cloth(self.rng(name), rgb))
+        return self.painted(name, textures.cloth(self.rng(name), rgb, pattern))
 
     def add(
         self,
@@ -173,6 +174,7 @@ class Assets:
         radius_m: float,
         material: str,
         group: int = 0,
+        castshadow: bool = True,
     ) -> None:
         """A capsule between two points."""
         fromto = [float(v) for v in (*ends[0], *ends[1])]
@@ -186,6 +188,7 @@ class Assets:
             "CAPSULE",
             fromto=fromto,
             size=[radius_m, 0.0, 0.0],
+            castshadow=castshadow,
         )
 
     def _geom(
@@ -215,3 +218,9 @@ class Assets:
 def turned(yaw_rad: float) -> Quaternion:
     """A turn about z as a quaternion w, x, y, z."""
     return (float(np.cos(yaw_rad / 2)), 0.0, 0.0, float(np.sin(yaw_rad / 2)))
+
+
+def check_word(what: str, word: str, known: Collection[str]) -> None:
+    """Raises ValueError for a word that is not among the known."""
+    if word not in known:
+        raise ValueError(f"{what} must be one of {', '.join(known)}, got {word!r}")

@@ -2,7 +2,7 @@
 
 Skin that belongs to a target: face, ears and the short stretch of neck above the high collar are
 the head's; palm, fingers and the wrist outside the sleeve are the hand's. Painted eyes, brows, lips
-and beard are part of the face; hair, glasses, and bare forearms (short sleeves) are no target's.
+and beard are part of the face; hair, glasses, and bare arms (sleeves not long) are no target's.
 """
 
 from __future__ import annotations
@@ -11,14 +11,24 @@ from typing import Any
 
 import numpy as np
 
+from pjpdaf.arrays import Floats
 from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND
 from sim import head as head_shapes
 from sim.anatomy import Anatomy
-from sim.assets import Assets
+from sim.assets import Assets, check_word
 from sim.hand import Finger, fingers, mirrored, palm_surface
 from sim.pose import SIDES
-from sim.shapes import Surface, capped, closed_grid, interpolate, limb, revolved, superellipse
+from sim.shapes import (
+    Surface,
+    capped,
+    closed_grid,
+    interpolate,
+    limb,
+    revolved,
+    superellipse,
+)
 from sim.specs import Appearance
+from sim.textures import PATTERNS
 
 # Geom groups, so that parts can be hidden: the room stays when the person goes.
 ROOM, CLOTHES = 0, 1
@@ -27,6 +37,10 @@ SKIN = "skin:"  # prefix of the names of all geoms that are a target's visible s
 HAND_TARGETS = (RIGHT_HAND, LEFT_HAND)  # in the order of SIDES
 ELBOW_M, WRIST_M = 0.043, 0.031  # radii of the sleeve, of an average arm
 COLLAR_TOP_M = 0.088  # above the mid-shoulder point
+SLEEVES = ("long", "rolled", "short")  # rolled: bare forearm; short: bare above the elbow as well
+SHORT_SLEEVE = 0.60  # of the upper arm
+SHIRT_M = 0.64  # length of the shirt, which its texture spans once
+_ALONG_X = (0.7071068, 0.0, 0.7071068, 0.0)  # z of a body of revolution to x
 
 
 def mocap_parts() -> tuple[str, ...]:
@@ -36,10 +50,16 @@ def mocap_parts() -> tuple[str, ...]:
 
 
 def add_person(assets: Assets, anatomy: Anatomy, appearance: Appearance) -> None:
-    """Add the person's bodies, meshes and materials to the spec; all bodies at the origin."""
+    """Add the person's bodies, meshes and materials to the spec; all bodies at the origin.
+
+    Raises ValueError for a word of the appearance that is not known.
+    """
+    check_word("Appearance.sleeves", appearance.sleeves, SLEEVES)
+    check_word("Appearance.hair", appearance.hair, head_shapes.HAIR)
+    check_word("Appearance.shirt_pattern", appearance.shirt_pattern, PATTERNS)
     world = assets.spec.worldbody
     bodies = {name: world.add_body(name=name, mocap=True) for name in mocap_parts()}
-    shirt = assets.cloth("shirt", appearance.shirt_rgb)
+    shirt = assets.cloth("shirt", appearance.shirt_rgb, appearance.shirt_pattern)
     assets.plain("skin", appearance.skin_rgb, specular=0.05, shininess=0.2)
     _torso(assets, bodies["torso"], anatomy, shirt)
     _legs(assets, anatomy)
@@ -59,7 +79,7 @@ def add_person(assets: Assets, anatomy: Anatomy, appearance: Appearance) -> None
 
 
 def _torso(assets: Assets, body: Any, anatomy: Anatomy, shirt: str) -> None:
-    assets.add(body, "torso", torso_surface(anatomy), shirt, CLOTHES)
+    assets.add(body, "torso", tailored(torso_surface(anatomy), 2, share=1.0), shirt, CLOTHES)
     # The collar goes with the head's group: it is what hides the neck of a head that nothing else
     # hides, so the amodal pass shows it.
     collar = revolved(
@@ -77,6 +97,7 @@ def _torso(assets: Assets, body: Any, anatomy: Anatomy, shirt: str) -> None:
         ),
         28,
     )
+    collar = tailored(collar, 2, share=1 / 3)
     assets.add(body, "collar", collar, shirt, TARGET_GROUPS[HEAD], pos=(0.004, 0.0, 0.0))
 
 
@@ -116,6 +137,16 @@ def torso_surface(anatomy: Anatomy) -> Surface:
     # The shoulders stand a little behind the neck; the chest curves forward.
     grid[..., 0] += np.interp(z, [-0.56, -0.15, 0.0, 0.09], [-0.01, 0.0, 0.0, 0.006])[:, None]
     return closed_grid(capped(grid)[::-1])
+
+
+def tailored(surface: Surface, axis: int, share: float = 1 / 3) -> Surface:
+    """The surface clothed: the shirt's texture runs along an axis of the part at its true scale.
+
+    share: of the shirt's width that goes round the part.
+    """
+    along = -surface.vertices_m[:, axis] / SHIRT_M
+    uv = np.column_stack([surface.uv[:, 0] * share, along - along.min()])
+    return Surface(surface.vertices_m, surface.normals, uv, surface.faces)
 
 
 def limb_ring(radius_m: float, thickness_m: float) -> Surface:
@@ -177,7 +208,10 @@ def _head(assets: Assets, body: Any, anatomy: Anatomy, appearance: Appearance) -
         0.94 * anatomy.head_height_m / 2,
     )
     assets.ellipsoid(body, "head:core", (-0.004, 0.0, 0.0), core, "skin", group)
-    assets.add(body, "hair", head_shapes.hair_surface(anatomy), "hair", group)
+    if appearance.hair != "bald":
+        assets.add(body, "hair", head_shapes.hair_surface(anatomy), "hair", group)
+    if appearance.hair == "long":
+        assets.add(body, "hair:long", head_shapes.curtain_surface(anatomy), "hair", group)
     for side, y in (("right", -1.0), ("left", 1.0)):
         assets.ellipsoid(
             body,
@@ -215,53 +249,95 @@ def _glasses(assets: Assets, body: Any, group: int, anatomy: Anatomy) -> None:
         )
         for i in range(len(turn) - 1):
             ends = (tuple(centre + rim[i]), tuple(centre + rim[i + 1]))
-            assets.capsule(body, f"rim:{side}:{i}", ends, 0.0016, "frame", group)
+            assets.capsule(body, f"rim:{side}:{i}", ends, 0.0016, "frame", group, castshadow=False)
         ends = ((0.095 * k, 0.058 * w * y, 0.008), (-0.01 * k, 0.079 * w * y, 0.010))
-        assets.capsule(body, f"temple:{side}", ends, 0.0016, "frame", group)
+        assets.capsule(body, f"temple:{side}", ends, 0.0016, "frame", group, castshadow=False)
     ends = ((0.102 * k, -0.011 * w, 0.008), (0.102 * k, 0.011 * w, 0.008))
-    assets.capsule(body, "bridge", ends, 0.0016, "frame", group)
+    assets.capsule(body, "bridge", ends, 0.0016, "frame", group, castshadow=False)
 
 
 def _arm(
     assets: Assets, upper: Any, fore: Any, anatomy: Anatomy, side: str, appearance: Appearance
 ) -> None:
+    """Sleeve, and below it the bare arm: skin of no target."""
     k = anatomy.stature_m / 1.72
-    radii = np.array([0.0480, 0.0505, 0.0485, 0.0450, ELBOW_M]) * k
-    surface = limb(anatomy.upper_arm_m, radii, sides=22, rings=9, end_rings=5)
-    assets.add(upper, f"upper_arm:{side}", surface, "shirt", CLOTHES)
     wrist = WRIST_M * anatomy.hand_breadth_m / 0.0851
-    radii = np.array([ELBOW_M * k, 0.0455 * k, 0.0415 * k, 0.036 * k, wrist])
-    if appearance.short_sleeves:
-        radii = np.array([0.86, 0.84, 0.80, 0.80, 0.74]) * radii
-    length = anatomy.forearm_m - 0.012
-    surface = limb(length, radii, sides=20, rings=9, flatness=0.94, far_cap=0.15)
-    material = "skin" if appearance.short_sleeves else "shirt"
-    assets.add(fore, f"forearm:{side}", surface, material, CLOTHES)
-    if not appearance.short_sleeves:
-        cuff = revolved(
-            np.array(
-                [
-                    [wrist * 0.93, -0.020],
-                    [wrist + 0.0015, -0.018],
-                    [wrist + 0.0022, 0.0],
-                    [wrist + 0.0012, 0.006],
-                    [wrist - 0.003, 0.006],
-                    [wrist - 0.004, -0.004],
-                ]
-            ),
-            20,
-        )
-        # With the hand's group, as the collar is with the head's.
-        group = TARGET_GROUPS[HAND_TARGETS[SIDES.index(side)]]
-        assets.add(
-            fore,
-            f"cuff:{side}",
-            cuff,
-            "shirt",
-            group,
-            pos=(length - 0.003, 0.0, 0.0),
-            quat=(0.7071068, 0.0, 0.7071068, 0.0),
-        )
+    # A little short of the wrist, where the hand's own skin begins.
+    long_m, upper_m = anatomy.forearm_m - 0.012, anatomy.upper_arm_m
+    cloth = np.array([ELBOW_M, 0.0455, 0.0415, 0.036, wrist / k]) * k
+    arm = np.array([0.0480, 0.0505, 0.0485, 0.0450, ELBOW_M]) * k
+    skin = np.array([0.0360, 0.0405, 0.0365, 0.0295, 0.76 * wrist / k]) * k
+    share = {"long": 1.0, "rolled": 0.30, "short": 0.0}[appearance.sleeves]
+    # The sleeve's part that covers the upper arm, and then what is bare of it.
+    if appearance.sleeves == "short":
+        ends = np.array([1.0, 1.02, 1.0, 0.98, 1.0]) * arm[:1]
+        _sleeve(assets, upper, f"upper_arm:{side}", SHORT_SLEEVE * upper_m, ends, hem_m=0.003)
+        bare = np.array([0.0400, 0.0425, 0.0410, 0.0375, 0.0360]) * k
+        surface = limb(upper_m, bare, sides=20, rings=8)
+        assets.add(upper, f"bare:upper_arm:{side}", surface, "skin", CLOTHES)
+    else:
+        surface = tailored(limb(upper_m, arm, sides=22, rings=9, end_rings=5), 0)
+        assets.add(upper, f"upper_arm:{side}", surface, "shirt", CLOTHES)
+    if appearance.sleeves == "long":
+        surface = limb(long_m, cloth, sides=20, rings=9, flatness=0.94, far_cap=0.15)
+        assets.add(fore, f"forearm:{side}", tailored(surface, 0), "shirt", CLOTHES)
+        _cuff(assets, fore, side, long_m, wrist)
+        return
+    if share > 0.0:
+        ends = np.array([1.0, 1.06, 1.08]) * cloth[0]
+        _sleeve(assets, fore, f"forearm:{side}", share * long_m, ends, hem_m=0.006)
+    surface = limb(long_m, skin, sides=20, rings=11, far_cap=0.15)
+    assets.add(fore, f"bare:forearm:{side}", surface, "skin", CLOTHES)
+    # The same wrist once more with the hand, as the cuff of a long sleeve: in the amodal pass it
+    # hides the stub that reaches into the forearm. Thinner, so that the forearm covers it.
+    stub = limb(0.030, skin[-1] * np.array([1.10, 0.985]), sides=20, rings=3, far_cap=0.14)
+    group = TARGET_GROUPS[HAND_TARGETS[SIDES.index(side)]]
+    at = (long_m - 0.030, 0.0, 0.0)
+    assets.add(fore, f"wrist:{side}", stub, "skin", group, pos=at, castshadow=False)
+
+
+def _sleeve(
+    assets: Assets, body: Any, name: str, length_m: float, radii_m: Floats, hem_m: float
+) -> None:
+    """A sleeve that ends on the way, with a hem or a rolled cuff that is hem_m thick."""
+    surface = limb(length_m, radii_m, sides=22, rings=6, end_rings=5, far_cap=0.05)
+    assets.add(body, name, tailored(surface, 0), "shirt", CLOTHES)
+    r, wide = float(radii_m[-1]), 0.012 + 3.5 * hem_m
+    outline = np.array(
+        [
+            [r - 0.010, -wide],
+            [r + 0.6 * hem_m, -wide],
+            [r + hem_m, -0.75 * wide],
+            [r + hem_m, -0.15 * wide],
+            [r + 0.6 * hem_m, 0.0],
+            [r - 0.010, 0.0],
+        ]
+    )
+    hem = tailored(revolved(outline, 22), 2)
+    assets.add(
+        body, f"hem:{name}", hem, "shirt", CLOTHES, pos=(length_m + 0.004, 0.0, 0.0), quat=_ALONG_X
+    )
+
+
+def _cuff(assets: Assets, fore: Any, side: str, long_m: float, wrist_m: float) -> None:
+    """The end of a long sleeve. With the hand's group, as the collar is with the head's."""
+    cuff = revolved(
+        np.array(
+            [
+                [wrist_m * 0.93, -0.020],
+                [wrist_m + 0.0015, -0.018],
+                [wrist_m + 0.0022, 0.0],
+                [wrist_m + 0.0012, 0.006],
+                [wrist_m - 0.003, 0.006],
+                [wrist_m - 0.004, -0.004],
+            ]
+        ),
+        20,
+    )
+    group = TARGET_GROUPS[HAND_TARGETS[SIDES.index(side)]]
+    at = (long_m - 0.003, 0.0, 0.0)
+    cuff = tailored(cuff, 2)
+    assets.add(fore, f"cuff:{side}", cuff, "shirt", group, pos=at, quat=_ALONG_X)
 
 
 def _hand(

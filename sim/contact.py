@@ -1,26 +1,29 @@
-"""Contact projection: hands out of the table, the torso, the head and each other.
+"""Contact: hands and arms as round-ended bars, and how deep they are in things and each other.
 
-Hands are capsules, torso and head ellipsoids, the table a slab: analytic shapes a little plainer
-than what is drawn. `separate` moves the palms until nothing overlaps by more than it may.
+Hands, forearms and upper arms are capsules with the radii of the drawn skin and sleeves. Natural
+neighbours do not count: the parts of one arm, upper arms against the torso and each other, and the
+elbow's end of a forearm against the torso.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats, readonly
 from pjpdaf.errors import BenchError
 from sim.anatomy import Anatomy
+from sim.body import ELBOW_M, WRIST_M
 from sim.hand import Finger, fingers, joint_angles
-from sim.kinematics import OUTWARD, Arm, about_y, norm
+from sim.kinematics import OUTWARD, Arm, about_y
+from sim.pose import SIDES
+from sim.solids import Obstacles, Slab
 
 ALLOWED_PENETRATION_M = 0.005
-_GOOD_ENOUGH_M = 0.001  # of penetration left: the projection stops here
-_ROUNDS = 24
 
 # Bars of the palm: (across, from, to) of the average hand that `sim.hand` is drawn for [m].
 _PALM_BARS = (
@@ -30,7 +33,29 @@ _PALM_BARS = (
     (-0.024, -0.06, 0.006),
 )
 _PALM_RADIUS = 0.0145
-_AVERAGE_BREADTH_M, _AVERAGE_PALM_M = 0.0851, 0.0774
+_AVERAGE_BREADTH_M, _AVERAGE_PALM_M, _AVERAGE_STATURE_M = 0.0851, 0.0774, 1.72
+
+# Sleeves, as drawn for the average person: radii from the elbow to 3/4 of the way [m].
+_SLEEVE_M = (ELBOW_M, 0.0455, 0.0415, 0.036)
+_CUFF_M = 0.012  # the sleeve ends this much before the wrist, flat
+_UPPER_M = (0.0495, 0.0455)  # upper and lower half of the upper arm
+_FOREARM_POINTS = np.linspace(0.0, 1.0, 9)  # shares of the sleeve from the elbow
+_BESIDE_TORSO = 0.3  # share of the forearm, from the elbow, that may rest against the torso
+_UPPER_BARS = np.array([[0.12, 0.55], [0.55, 1.0]])  # shares of the upper arm
+_UPPER_POINTS = np.array([0.5, 0.75])  # of the upper arm: what may meet the head
+
+# The same for every arm: how its bars and points follow each other.
+PARTS = ("hand", "forearm", "upper arm")
+HAND, FOREARM, UPPER_ARM = 0, 1, 2
+_HAND_BARS, _HAND_POINTS = 19, 47
+PART_OF_BAR = np.repeat([HAND, FOREARM, UPPER_ARM], [_HAND_BARS, 4, 2])
+PART_OF_POINT = np.repeat([HAND, FOREARM, UPPER_ARM], [_HAND_POINTS, 9, 2])
+SHARE_OF_POINT = np.concatenate([np.ones(_HAND_POINTS), _FOREARM_POINTS, _UPPER_POINTS])
+SHARE_OF_BAR = np.array([1.0] * _HAND_BARS + [0.125, 0.375, 0.625, 0.86, 0.335, 0.775])
+_FIRST_BARS, _FIRST_POINTS = (0, 19, 23), (0, 47, 56)  # where each part begins
+_CLEAR_M = -1.0  # said of what does not count
+
+Flags = NDArray[np.bool_]
 
 
 class Unposable(BenchError):
@@ -103,79 +128,7 @@ def height_above_table(anatomy: Anatomy, side: int, rotation: Floats, curls: Flo
     return -shape.placed(np.zeros(3), rotation).lowest_m
 
 
-@dataclass(frozen=True, eq=False)
-class Table:
-    """The table top: a slab under top_m, from near_x_m to far_x_m, half_width_m to either side."""
-
-    top_m: float
-    near_x_m: float
-    far_x_m: float
-    half_width_m: float
-
-    def penetration(self, bars: Capsules) -> float:
-        """Deepest point of the bars below the top, over the table [m]; <= 0 is clear."""
-        points = np.concatenate([bars.starts_m, bars.ends_m])
-        radii = np.concatenate([bars.radii_m, bars.radii_m])
-        over = (
-            (points[:, 0] > self.near_x_m - radii)
-            & (points[:, 0] < self.far_x_m + radii)
-            & (np.abs(points[:, 1]) < self.half_width_m + radii)
-        )
-        depth = np.where(over, self.top_m - (points[:, 2] - radii), -1.0)
-        return float(depth.max())
-
-
-@dataclass(frozen=True, eq=False)
-class Ellipsoid:
-    """centre_m (3,), semi-axes_m (3,), rotation (3, 3) own -> world."""
-
-    centre_m: Floats
-    axes_m: Floats
-    rotation: Floats
-
-    def push(self, bars: Capsules) -> tuple[float, Floats]:
-        """Deepest penetration of the bars [m], <= 0 is clear, and the way out (3,), a unit vector.
-
-        First order in the gap: exact on the surface, which is where it is used.
-        """
-        points = np.concatenate([bars.starts_m, 0.5 * (bars.starts_m + bars.ends_m), bars.ends_m])
-        radii = np.tile(bars.radii_m, 3)
-        local = (points - self.centre_m) @ self.rotation
-        axes = self.axes_m + radii[:, None]
-        scaled = local / axes
-        level = np.sqrt((scaled * scaled).sum(axis=1))
-        deepest_possible = float(level.min())
-        if deepest_possible > 1.5:
-            return -1.0, np.array([1.0, 0.0, 0.0])
-        level = np.maximum(level, 1e-6)
-        slope = scaled / axes / level[:, None]
-        steep = np.sqrt((slope * slope).sum(axis=1))
-        depth = (1.0 - level) / steep
-        worst = int(depth.argmax())
-        out: Floats = self.rotation @ (slope[worst] / steep[worst])
-        return float(depth[worst]), out
-
-
-def head_ellipsoid(anatomy: Anatomy, position_m: Floats, rotation: Floats) -> Ellipsoid:
-    """The head, `sim.pose`'s frame: x out of the face, z to the crown."""
-    axes = 0.5 * np.array([anatomy.head_depth_m, anatomy.head_breadth_m, anatomy.head_height_m])
-    return Ellipsoid(position_m, axes, rotation)
-
-
-def torso_ellipsoids(
-    anatomy: Anatomy, position_m: Floats, rotation: Floats
-) -> tuple[Ellipsoid, ...]:
-    """Chest and belly, in shares of the stature, below the mid-shoulder point."""
-    H = anatomy.stature_m
-    chest = np.array([0.005, 0.0, -0.105]) * H
-    belly = np.array([0.010, 0.0, -0.225]) * H
-    return (
-        Ellipsoid(position_m + rotation @ chest, np.array([0.064, 0.095, 0.115]) * H, rotation),
-        Ellipsoid(position_m + rotation @ belly, np.array([0.066, 0.085, 0.110]) * H, rotation),
-    )
-
-
-def _overlaps(a: Capsules, b: Capsules) -> tuple[Floats, Floats, Floats]:
+def overlaps(a: Capsules, b: Capsules) -> tuple[Floats, Floats, Floats]:
     """Overlap (n, m) of each bar of a with each of b, their axes' distance, and b -> a (n, m, 3).
 
     All pairs at once; closest points of segments: Ericson, Real-Time Collision Detection 5.1.9.
@@ -196,130 +149,170 @@ def _overlaps(a: Capsules, b: Capsules) -> tuple[Floats, Floats, Floats]:
 
 def capsule_gap(a: Capsules, b: Capsules) -> tuple[float, Floats]:
     """Deepest overlap of any bar of a with any of b [m], <= 0 is clear, and b -> a (3,), unit."""
-    overlap, distance, between = _overlaps(a, b)
+    overlap, distance, between = overlaps(a, b)
     i, j = np.unravel_index(int(overlap.argmax()), overlap.shape)
     gap = float(distance[i, j])
     way: Floats = between[i, j] / gap if gap > 1e-9 else np.array([1.0, 0.0, 0.0])
     return float(overlap[i, j]), way
 
 
-def _way_apart(a: Capsules, b: Capsules, steady: Floats, trust: float) -> tuple[float, Floats]:
-    """Deepest overlap [m] and a way out for a (3,), unit.
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """What an arm consists of, apart from its pose: 25 bars to meet the other arm, 58 points to
+    meet solids; hand, forearm, upper arm in this order.
 
-    The mean of all overlapping pairs' ways, each as heavy as it is deep, so that it changes
-    smoothly with the pose; `steady` (3,), a unit vector, gets the weight `trust` of 0..1 beside
-    it, because fingers between fingers push both ways.
+    hand: its bars in the hand's frame; hand_points_m (47, 3) likewise. sleeve (4, 2): shares of the
+    forearm where its bars begin and end; on_forearm (9, 1): of its points. radii_m (25,),
+    point_radii_m (58,). reach_m: of the hand, from the palm's centre.
     """
-    overlap, distance, between = _overlaps(a, b)
-    deepest = float(overlap.max())
-    if deepest <= 0.0:
-        return deepest, steady
-    weight = np.where(overlap > 0.0, overlap / np.maximum(distance, 1e-6), 0.0)
-    mean = (weight[..., None] * between).sum(axis=(0, 1)) / np.maximum(overlap, 0.0).sum()
-    way = (1.0 - trust) * mean + trust * steady
-    length = norm(way)
-    return deepest, way / length if length > 1e-6 else steady
+
+    hand: Capsules
+    hand_points_m: Floats
+    sleeve: Floats
+    on_forearm: Floats
+    radii_m: Floats
+    point_radii_m: Floats
+    reach_m: float
+
+    def bars(self, arm: Arm) -> Capsules:
+        """The bars of an arm in this pose, world."""
+        turn = arm.hand.T
+        fore, upper = arm.wrist_m - arm.elbow_m, arm.elbow_m - arm.shoulder_m
+        first, last = (
+            np.concatenate(
+                [
+                    hand @ turn + arm.palm_m,
+                    arm.elbow_m + self.sleeve[:, end, None] * fore,
+                    arm.shoulder_m + _UPPER_BARS[:, end, None] * upper,
+                ]
+            )
+            for end, hand in enumerate((self.hand.starts_m, self.hand.ends_m))
+        )
+        return Capsules(first, last, self.radii_m)
+
+    def points(self, arm: Arm) -> Floats:
+        """The points (58, 3) of an arm in this pose, world."""
+        return np.concatenate(
+            [
+                self.hand_points_m @ arm.hand.T + arm.palm_m,
+                arm.elbow_m + self.on_forearm * (arm.wrist_m - arm.elbow_m),
+                arm.shoulder_m + _UPPER_POINTS[:, None] * (arm.elbow_m - arm.shoulder_m),
+            ]
+        )
+
+
+POINTS_OF_PART = (slice(0, 47), slice(47, 56), slice(56, 58))  # of hand, forearm, upper arm
+
+
+@lru_cache(maxsize=512)
+def _arm_shape(anatomy: Anatomy, side: int, curls: tuple[float, ...]) -> Shape:
+    hand = _hand_capsules(anatomy, side, curls)
+    k = anatomy.stature_m / _AVERAGE_STATURE_M
+    wrist = WRIST_M * anatomy.hand_breadth_m / _AVERAGE_BREADTH_M
+    radii = np.array([*(r * k for r in _SLEEVE_M), wrist])
+    # The round end of the last bar stands for the cuff's flat one.
+    end = 1.0 - (_CUFF_M + 0.55 * wrist) / anatomy.forearm_m
+    ends = np.array([0.0, 0.25, 0.5, 0.75, end])
+    along = _FOREARM_POINTS * end
+    # Fingers are chains: a bar that goes on from another starts where that one ends.
+    first = np.ones(_HAND_BARS, dtype=bool)
+    first[len(_PALM_BARS) :] = np.tile([True, False, False], 5)
+    middles = 0.5 * (hand.starts_m + hand.ends_m)
+    upper = np.array(_UPPER_M) * k
+    r = hand.radii_m
+    return Shape(
+        hand=hand,
+        hand_points_m=np.concatenate([hand.ends_m, middles, hand.starts_m[first]]),
+        sleeve=np.column_stack([ends[:-1], ends[1:]]),
+        on_forearm=along[:, None],
+        radii_m=np.concatenate([r, 0.5 * (radii[:-1] + radii[1:]), upper]),
+        point_radii_m=np.concatenate(
+            [r, r, r[first], np.interp(along, np.linspace(0.0, 1.0, 5), radii), upper]
+        ),
+        reach_m=float(np.sqrt((hand.ends_m**2).sum(axis=1)).max() + r.max()),
+    )
+
+
+def arm_shape(anatomy: Anatomy, side: int, curls: Floats) -> Shape:
+    """The shape of an arm whose fingers are curled so (5,)."""
+    return _arm_shape(anatomy, side, tuple(round(c, 3) for c in curls.tolist()))
+
+
+@lru_cache(maxsize=8)
+def exempt(names: tuple[str, ...]) -> Flags:
+    """Which points (k, 58) do not count against solids of these names (k)."""
+    free = np.zeros((len(names), len(PART_OF_POINT)), dtype=bool)
+    for row, name in enumerate(names):
+        if name != "head":
+            free[row] |= PART_OF_POINT == UPPER_ARM
+        if name == "torso":
+            free[row] |= (PART_OF_POINT == FOREARM) & (SHARE_OF_POINT < _BESIDE_TORSO)
+    free.flags.writeable = False
+    return free
+
+
+def solid_depths(
+    shape: Shape, points_m: Floats, obstacles: Obstacles, table: Slab
+) -> tuple[Floats, Floats]:
+    """Depths (k + 1, 58) [m] of an arm's points in the k solids and in the table, the last row, and
+    the ways out (k + 1, 58, 3). What does not count is clear.
+    """
+    depth, out = obstacles.solids.push(points_m, shape.point_radii_m)
+    depth[exempt(obstacles.solids.names)] = _CLEAR_M
+    on_table, off = table.push(points_m, shape.point_radii_m)
+    on_table[PART_OF_POINT == UPPER_ARM] = _CLEAR_M
+    return np.concatenate([depth, on_table[None]]), np.concatenate([out, off[None]])
 
 
 @dataclass(frozen=True, eq=False)
-class Obstacles:
-    """What the hands must keep out of, besides each other."""
-
-    table: Table
-    solids: tuple[Ellipsoid, ...]
-
-
-@dataclass(frozen=True)
 class Penetration:
-    """Deepest overlap of either hand with each thing [m]; <= 0 is clear."""
+    """Deepest overlap [m] of each pair of parts, by their names; <= 0 is clear."""
 
-    table_m: float
-    solids_m: float
-    hands_m: float
+    pairs: Mapping[tuple[str, str], float]
+
+    @property
+    def worst(self) -> tuple[str, str]:
+        """The pair that overlaps most."""
+        return max(self.pairs, key=self.pairs.__getitem__)
 
     @property
     def worst_m(self) -> float:
         """The deepest of all."""
-        return max(self.table_m, self.solids_m, self.hands_m)
+        return self.pairs[self.worst]
+
+    @property
+    def hands_m(self) -> float:
+        """Of one hand in the other."""
+        return self.pairs[part_name(0, HAND), part_name(1, HAND)]
 
 
-def _near(arms: tuple[Arm, Arm], reach_m: float) -> bool:
-    offset = arms[0].palm_m - arms[1].palm_m
-    return float(offset @ offset) < reach_m * reach_m
+def part_name(side: int, part: int) -> str:
+    """Such as "right forearm"."""
+    return f"{SIDES[side]} {PARTS[part]}"
 
 
 def penetration(
     anatomy: Anatomy, arms: tuple[Arm, Arm], curls: Floats, obstacles: Obstacles
 ) -> Penetration:
-    """How deep the hands (curls (2, 5)) of these arms are in things, and in each other."""
-    bars = tuple(
-        hand_capsules(anatomy, side, curls[side]).placed(arms[side].palm_m, arms[side].hand)
-        for side in (0, 1)
+    """How deep these arms (curls (2, 5)) are in things, and in each other."""
+    shapes = tuple(arm_shape(anatomy, side, curls[side]) for side in (0, 1))
+    overlap, _, _ = overlaps(shapes[0].bars(arms[0]), shapes[1].bars(arms[1]))
+    by_part = np.maximum.reduceat(
+        np.maximum.reduceat(overlap, _FIRST_BARS, axis=0), _FIRST_BARS, axis=1
     )
-    solids = max((solid.push(b)[0] for solid in obstacles.solids for b in bars), default=-1.0)
-    return Penetration(
-        table_m=max(obstacles.table.penetration(b) for b in bars),
-        solids_m=solids,
-        hands_m=capsule_gap(bars[0], bars[1])[0],
-    )
-
-
-def separate(
-    anatomy: Anatomy,
-    palms_m: tuple[Floats, Floats],
-    solve: Callable[[int, Floats], Arm],
-    curls: Floats,
-    obstacles: Obstacles,
-) -> tuple[Arm, Arm]:
-    """Arms whose palms are as near to palms_m (2 x (3,)) as contact allows.
-
-    solve(side, palm) gives an arm. Each round moves each palm out of its deepest overlaps; hands
-    share theirs. Raises Unposable when more than 5 mm of overlap are left at the end.
-    """
-    shapes = tuple(hand_capsules(anatomy, side, curls[side]) for side in (0, 1))
-    targets = [palms_m[0], palms_m[1]]
-    arms = (solve(0, targets[0]), solve(1, targets[1]))
-    for number in range(_ROUNDS):
-        bars = tuple(shapes[s].placed(arms[s].palm_m, arms[s].hand) for s in (0, 1))
-        moved = [False, False]
-        for side in (0, 1):
-            sunk = obstacles.table.penetration(bars[side])
-            shift = np.zeros(3)
-            if sunk > _GOOD_ENOUGH_M:
-                shift[2] += sunk
-                moved[side] = True
-            for solid in obstacles.solids:
-                depth, out = solid.push(bars[side])
-                if depth > _GOOD_ENOUGH_M:
-                    shift = shift + depth * out
-                    moved[side] = True
-            if moved[side]:
-                targets[side] = arms[side].palm_m + shift
-        if _near(arms, 0.75):
-            # Without a centre line to part along, each hand goes to its own side.
-            apart = arms[0].palm_m - arms[1].palm_m + np.array([0.0, 0.01 * OUTWARD[0], 0.0])
-            depth, way = _way_apart(
-                bars[0],
-                bars[1],
-                apart / max(norm(apart), 1e-9),
-                min(0.25 + 0.08 * number, 1.0),
-            )
-            if depth > _GOOD_ENOUGH_M:
-                for side, sign in ((0, 0.55), (1, -0.55)):
-                    start = targets[side] if moved[side] else arms[side].palm_m
-                    targets[side] = start + (sign * depth) * way
-                    moved[side] = True
-        if not any(moved):
-            return arms
-        arms = (
-            solve(0, targets[0]) if moved[0] else arms[0],
-            solve(1, targets[1]) if moved[1] else arms[1],
-        )
-    left = penetration(anatomy, arms, curls, obstacles)
-    if left.worst_m > ALLOWED_PENETRATION_M:
-        raise Unposable(
-            f"hands overlap by {1000 * left.worst_m:.1f} mm after contact projection "
-            f"(allowed {1000 * ALLOWED_PENETRATION_M:.0f} mm): use another seed, or move the "
-            f"paths apart"
-        )
-    return arms
+    pairs = {
+        (part_name(0, a), part_name(1, b)): float(by_part[a, b])
+        for a in range(3)
+        for b in range(3)
+        if a != UPPER_ARM or b != UPPER_ARM
+    }
+    for side in (0, 1):
+        points = shapes[side].points(arms[side])
+        depth, _ = solid_depths(shapes[side], points, obstacles, obstacles.table.slab())
+        deepest = np.maximum.reduceat(depth, _FIRST_POINTS, axis=1)
+        for row, name in enumerate((*obstacles.solids.names, "table")):
+            for part in range(3):
+                key = (part_name(side, part), name)
+                if deepest[row, part] > _CLEAR_M:
+                    pairs[key] = max(pairs.get(key, _CLEAR_M), float(deepest[row, part]))
+    return Penetration(pairs)

@@ -6,11 +6,12 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
-from sim.shapes import Surface, closed_grid
+from sim.shapes import Surface, capped, closed_grid, interpolate
 from sim.specs import Appearance
 from sim.textures import Picture, soft, to_bytes, value_noise
 
 RINGS, SIDES = 44, 52
+HAIR = ("short", "long", "bald")
 EYE_Y, EYE_Z = 0.0325, 0.006  # of an average head; all features scale with the head's size
 LIP_TINT = np.array([0.88, 0.79, 0.79])  # times the skin: keeps hue and saturation inside skin's
 _AVERAGE = (0.099, 0.0761, 0.1127)  # half depth, breadth, height [m] the features are drawn for
@@ -36,6 +37,37 @@ def hair_surface(anatomy: Anatomy) -> Surface:
     return closed_grid(
         _scaled(points + out * (-0.012 + (lift + 0.012) * grows)[..., None], anatomy)
     )
+
+
+def curtain_surface(anatomy: Anatomy) -> Surface:
+    """What makes hair long: it falls from the temples and the back of the head to the collar."""
+    z = np.linspace(0.075, -0.132, 16)
+    # height, half depth and half breadth outside, thickness, azimuth at which it begins
+    table = np.array(
+        [
+            [-0.135, 0.098, 0.091, 0.010, 0.92],
+            [-0.110, 0.108, 0.097, 0.020, 0.98],
+            [-0.060, 0.114, 0.095, 0.023, 1.10],
+            [0.000, 0.114, 0.090, 0.022, 1.25],
+            [0.040, 0.104, 0.084, 0.018, 1.32],
+            [0.080, 0.080, 0.062, 0.012, 1.50],
+        ]
+    )
+    depth, breadth, thickness, begin = interpolate(table, z).T[..., None]
+    there = np.linspace(0, 1, 34)
+    turn = begin + (2 * np.pi - 2 * begin) * there
+    # Strands, fuller towards the ends; the rims are drawn in, so that they are round.
+    strands = 1 + 0.012 * np.sin(31 * turn) * np.clip((0.06 - z) / 0.15, 0, 1)[:, None]
+    rim = 1 - 0.10 * np.exp(-there / 0.02) - 0.10 * np.exp(-(1 - there) / 0.02)
+    outside = np.stack([depth * np.cos(turn), breadth * np.sin(turn)], axis=-1)
+    outside = outside * (strands * rim)[..., None]
+    inside = outside * (1 - thickness / np.hypot(depth, breadth) * 1.35)[..., None]
+    outline = np.concatenate([outside, inside[:, ::-1], outside[:, :1]], axis=1)
+    ends = z[:, None] + 0.0
+    lowest = np.clip((-0.06 - z) / 0.07, 0, 1)[:, None]
+    around = np.concatenate([turn, turn[:, ::-1], turn[:, :1]], axis=1)
+    grid = np.dstack([outline, ends + 0.005 * lowest * np.sin(13 * around)])
+    return closed_grid(_scaled(capped(grid), anatomy))
 
 
 def face_texture(rng: np.random.Generator, appearance: Appearance, size: int = 320) -> Picture:
@@ -113,7 +145,8 @@ def _face(theta: Floats, phi: Floats, features: bool = True) -> Floats:
     up = np.cos(theta)
     below = np.clip(-up, 0, 1)
     # Under the cheekbones the cross-sections shrink slower than an ellipsoid's: a jaw, not an egg.
-    ring = np.sin(theta) ** (1 - 0.38 * below)
+    # Above the temples as well: a skull, not a cone.
+    ring = np.sin(theta) ** (1 - 0.38 * below - 0.20 * np.clip(up, 0, 1))
     front = np.clip(np.cos(phi), 0, 1) ** 1.5
     back = np.clip(-np.cos(phi), 0, 1)
     width = 1 - 0.24 * below**1.6

@@ -41,10 +41,13 @@ def truth_of(
     views: Sequence[ViewRender],
     cameras: Sequence[Camera],
     events: tuple[str, ...] = (),
+    moved_m: Sequence[Floats] | None = None,
 ) -> Truth:
     """The truth of a frame, from both views rendered with labels and amodal counts.
 
     events: of the script; merges are added, such as `merge:right_hand+left_hand:left_view`.
+    moved_m: per view, how far the targets' centres (T, 3) had moved from `pose` when that view was
+    rendered, where it was rendered at another moment.
     """
     seen = tuple(view_truth(view) for view in views)
     return Truth(
@@ -52,7 +55,7 @@ def truth_of(
         time_s=pose.time_s,
         centres_m=centres(pose),
         velocities_mps=velocities_mps,
-        surfaces_m=visible_surfaces(views, cameras),
+        surfaces_m=visible_surfaces(views, cameras, moved_m),
         views=seen,
         events=(*events, *merge_events(seen)),
     )
@@ -131,17 +134,25 @@ def merge_events(views: Sequence[ViewTruth]) -> tuple[str, ...]:
     return tuple(found)
 
 
-def visible_surfaces(views: Sequence[ViewRender], cameras: Sequence[Camera]) -> Floats:
-    """Mean of the visible skin's surface points over all views (3, 3) [m], NaN where unseen."""
+def visible_surfaces(
+    views: Sequence[ViewRender],
+    cameras: Sequence[Camera],
+    moved_m: Sequence[Floats] | None = None,
+) -> Floats:
+    """Mean of the visible skin's surface points over all views (3, 3) [m], NaN where unseen.
+
+    moved_m: as in `truth_of`; each view's points are moved back with their target.
+    """
     T = len(TARGETS)
     total, count = np.zeros((T, 3)), np.zeros(T)
-    for view, camera in zip(views, cameras, strict=True):
+    still = [np.zeros((T, 3))] * len(views)
+    for view, camera, moved in zip(views, cameras, moved_m or still, strict=True):
         assert view.targets is not None
         assert view.depth_m is not None
         for target, (ys, xs) in enumerate(skin_pixels(view.targets)):
             if len(xs):
                 points = back_project(camera, xs, ys, view.depth_m[ys, xs])
-                total[target] += points.sum(axis=0)
+                total[target] += points.sum(axis=0) - len(xs) * moved[target]
                 count[target] += len(xs)
     return np.asarray(total / np.where(count > 0, count, np.nan)[:, None])
 

@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
-from pjpdaf.camera import Camera, undistort_points
+from pjpdaf.camera import Camera, distort_points, undistort_points
 
 SCALE = 2  # both pictures are sampled this much finer per axis
 LARGEST = 2.0  # times the real picture's width or height
+BORDER_PX, OUTWARD_STEPS = 8, 33  # where `check` looks: along the border, and from the middle to it
+ROUND_TRIP_PX = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +24,8 @@ class Lens:
 
     ideal: the pinhole to render, same pose and focal lengths, wide enough. colour_map
     (SCALE h, SCALE w, 2) float32: fine real pixel -> fine ideal pixel. label_index (h, w): flat
-    index of the fine ideal pixel nearest to the centre of each real pixel (0.36 px away at most).
+    index of the fine ideal pixel nearest to the centre of each real pixel (0.36 px away at most),
+    in rows counted from below, as OpenGL reads them.
     """
 
     ideal: Camera
@@ -35,40 +38,80 @@ class Lens:
         return warped
 
     def labels(self, fine: NDArray[Any]) -> NDArray[Any]:
-        """The real labels (h, w) from the ideal ones at SCALE: nearest, nothing is mixed."""
-        return np.asarray(np.take(fine.ravel(), self.label_index))
+        """The real labels (h, w, ...) from the ideal ones at SCALE as OpenGL reads them.
+
+        The nearest: nothing is mixed.
+        """
+        return np.take(fine.reshape(-1, *fine.shape[2:]), self.label_index, axis=0)
 
 
 def lens_of(camera: Camera) -> Lens | None:
     """The lens of a camera, None without distortion.
 
-    Raises ValueError for one so strong that the ideal picture would be over LARGEST times as big.
+    Raises as `check`.
     """
     if not np.any(camera.distortion):
         return None
-    width, height = camera.width_px, camera.height_px
-    at = ideal_pixels(camera, 1)
+    check(camera)
+    at = ideal_pixels(camera)
     low = np.floor(at.min(axis=(0, 1))) - 2
     high = np.ceil(at.max(axis=(0, 1))) + 2
     size = high - low + 1
-    if not np.all(size <= LARGEST * np.array([width, height])):
-        raise ValueError(
-            f"lens distortion {tuple(camera.distortion.tolist())} is too strong to render: "
-            f"the ideal picture would have {size[0]:.0f} x {size[1]:.0f} pixels"
-        )
     K = np.array(camera.K)
     K[:2, 2] -= low
     ideal = replace(
         camera, K=K, width_px=int(size[0]), height_px=int(size[1]), distortion=np.zeros(0)
     )
-    fine = (ideal_pixels(camera, SCALE) - low + 0.5) * SCALE - 0.5
+    fine = (finer(at, SCALE) - low + 0.5) * SCALE - 0.5
     nearest = np.rint((at - low + 0.5) * SCALE - 0.5).astype(np.int64)
-    index = nearest[..., 1] * (SCALE * ideal.width_px) + nearest[..., 0]
+    from_below = SCALE * ideal.height_px - 1 - nearest[..., 1]
+    index = from_below * (SCALE * ideal.width_px) + nearest[..., 0]
     return Lens(ideal, fine.astype(np.float32), index)
 
 
-def ideal_pixels(camera: Camera, scale: int) -> Floats:
-    """Ideal pixel (scale h, scale w, 2) of each real pixel at `scale` per axis, in real pixels."""
-    y, x = np.mgrid[: camera.height_px * scale, : camera.width_px * scale]
-    real = (np.stack([x, y], axis=-1) + 0.5) / scale - 0.5
-    return undistort_points(camera, real.reshape(-1, 2)).reshape(real.shape)
+def check(camera: Camera) -> None:
+    """Raise ValueError for a lens that cannot be rendered.
+
+    That is one whose ideal picture would be over LARGEST times as big, or that shows a point of
+    the world twice: there, a point further from the picture's middle is shown nearer to it.
+    """
+    if not np.any(camera.distortion):
+        return
+    width, height = camera.width_px, camera.height_px
+    x, y = np.arange(0, width, BORDER_PX), np.arange(0, height, BORDER_PX)
+    border = np.concatenate(
+        [np.column_stack([x, np.full(len(x), row)]) for row in (0, height - 1)]
+        + [np.column_stack([np.full(len(y), column), y]) for column in (0, width - 1)]
+        + [[[width - 1.0, height - 1.0]]]
+    )
+    ideal = undistort_points(camera, border)
+    what = f"lens distortion {tuple(camera.distortion.tolist())} is too strong to render: "
+    size = np.ptp(ideal, axis=0)
+    if not np.all(size <= LARGEST * np.array([width, height])):
+        raise ValueError(f"{what}the ideal picture would have {size[0]:.0f} x {size[1]:.0f} pixels")
+    middle = camera.K[:2, 2]
+    outwards = np.linspace(0.0, 1.0, OUTWARD_STEPS)[:, None, None]
+    shown = distort_points(camera, (middle + outwards * (ideal - middle)).reshape(-1, 2))
+    distance = np.linalg.norm(shown.reshape(-1, *border.shape) - middle, axis=-1)
+    met = np.abs(shown[-len(border) :] - border).max() < ROUND_TRIP_PX
+    if not met or not np.all(np.diff(distance, axis=0) > 0):
+        raise ValueError(f"{what}it shows some points twice")
+
+
+def ideal_pixels(camera: Camera) -> Floats:
+    """Ideal pixel (h, w, 2) of each real pixel."""
+    y, x = np.mgrid[: camera.height_px, : camera.width_px]
+    real = np.stack([x.ravel(), y.ravel()], axis=-1)
+    return undistort_points(camera, real).reshape(*x.shape, 2)
+
+
+def finer(at: Floats, scale: int) -> Floats:
+    """A smooth map of pixels (h, w, 2), sampled at `scale` per axis: (scale h, scale w, 2).
+
+    By its slope at each pixel: exact to 0.002 px for lenses that can be rendered.
+    """
+    shift = (np.arange(scale) + 0.5) / scale - 0.5
+    down, right = (np.asarray(np.gradient(at, axis=axis)) for axis in (0, 1))
+    rows = at[:, None] + shift[:, None, None] * down[:, None]
+    fine = rows[:, :, :, None] + shift[:, None] * right[:, None, :, None]
+    return np.asarray(fine.reshape(scale * at.shape[0], scale * at.shape[1], 2))

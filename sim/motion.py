@@ -13,15 +13,20 @@ import numpy as np
 
 from pjpdaf.arrays import Floats, readonly
 from sim.anatomy import Anatomy
-from sim.contact import Obstacles, Table, head_ellipsoid, separate, torso_ellipsoids
 from sim.kinematics import Arm, about_x, about_y, about_z, norm, shoulders, solve_arm
 from sim.pose import Pose, Transform
+from sim.room import TOP_M
+from sim.separation import separate
+from sim.solids import Obstacles, Table, person_solids
 from sim.specs import RoomSpec, SceneSpec
-from sim.strokes import HandState, Wobble
+from sim.strokes import HandState, Wobble, minimum_jerk
 
 _HIP_HEIGHT_H = 0.245  # of the stature: the pivot of the torso (seat height, as in `Anatomy.of`)
 _HEAD_FORWARD_M = 0.02  # the head's centre stands ahead of the mid-shoulder point
-_ELBOW_CLEARANCE_M = 0.042  # elbow's centre above the table top: its radius with sleeve
+# Of the stature: the elbow above the table, so that the whole sleeve is. Before the edge, and with
+# a hand under the table, the elbow may hang lower by _HANGING_M.
+_ELBOW_CLEARANCE_H = 0.031
+_HANGING_M = 0.25
 _MAX_LEAN_RAD = math.radians(15.0)
 _TORSO_SHARE = 0.4  # of the head's sway
 
@@ -123,6 +128,7 @@ def table_of(room: RoomSpec) -> Table:
         near_x_m=room.table_near_x_m,
         far_x_m=room.table_near_x_m + room.table_depth_m,
         half_width_m=0.5 * room.table_width_m,
+        thickness_m=TOP_M,
     )
 
 
@@ -223,31 +229,43 @@ class Performer:
 
     def obstacles(self, torso: Transform, head: Transform) -> Obstacles:
         """What the hands must keep out of while torso and head are there."""
-        anatomy = self.scene.anatomy
         return Obstacles(
             self._table,
-            (
-                head_ellipsoid(anatomy, head.position_m, head.rotation),
-                *torso_ellipsoids(anatomy, torso.position_m, torso.rotation),
+            person_solids(
+                self.scene.anatomy,
+                torso.position_m,
+                torso.rotation,
+                head.position_m,
+                head.rotation,
             ),
         )
 
     def body(self, t_s: float) -> Body:
-        """The body at t_s [s], free of penetration. Raises Unposable where that cannot be."""
+        """The body at t_s [s], as free of penetration as it can be: `sim.measure` judges it."""
         plan, anatomy, table = self.plan, self.scene.anatomy, self._table
         states = (plan.hands[0].at(t_s), plan.hands[1].at(t_s))
         sway = plan.sway.at(t_s)
         torso, head = posture(anatomy, states, sway, plan.carriage.at(t_s))
         joints = shoulders(anatomy, torso.position_m, torso.rotation)
+        clearance = _ELBOW_CLEARANCE_H * anatomy.stature_m
 
-        def solve(side: int, palm_m: Floats) -> Arm:
+        def solve(side: int, palm_m: Floats, swivel_rad: float | None) -> Arm:
             state = states[side]
-            # An arm over the table keeps its elbow above it; before the edge it may hang.
+            # An arm over the table keeps its elbow above it; before the edge and below it may hang.
             before = (table.near_x_m + 0.05 - float(palm_m[0])) / 0.15
-            floor = table.top_m + _ELBOW_CLEARANCE_M - 0.5 * min(max(before, 0.0), 1.0)
-            swivel = plan.swivel_rad + state.swivel_rad
+            under = (table.top_m - float(palm_m[2])) / 0.05
+            hanging = minimum_jerk(max(before, under))
+            floor = table.top_m + clearance - _HANGING_M * hanging
+            swivel = plan.swivel_rad + state.swivel_rad if swivel_rad is None else swivel_rad
             return solve_arm(
-                anatomy, side, joints[side], palm_m, state.rotation, swivel, elbow_above_m=floor
+                anatomy,
+                side,
+                joints[side],
+                palm_m,
+                state.rotation,
+                swivel,
+                elbow_above_m=floor,
+                forward=torso.rotation[:, 0],
             )
 
         right, left = (

@@ -13,7 +13,7 @@ from sim.contact import height_above_table
 from sim.kinematics import OUTWARD, hand_rotation
 from sim.pose import Transform
 from sim.specs import ObjectSpec, SceneSpec
-from sim.strokes import Glide, HandPath, HandState, Stroke, quaternion_of, stroke_duration
+from sim.strokes import HandPath, HandState, Move, Stroke, quaternion_of, stroke_duration
 
 LEAST_STROKE_S = 0.2
 _STILL = np.zeros(3)
@@ -25,7 +25,7 @@ class HandPlanner:
 
     first: HandState
     clock_s: float = 0.0
-    moves: list[Stroke | Glide] = field(default_factory=list)
+    moves: list[Move] = field(default_factory=list)
 
     @property
     def state(self) -> HandState:
@@ -52,9 +52,13 @@ class HandPlanner:
         way = to.position_m - self.state.position_m
         duration = max(stroke_duration(way, bow, peak_mps), least_s)
         stroke = Stroke(self.clock_s, duration, to, bow)
-        self.moves.append(stroke)
-        self.clock_s = stroke.end_s
+        self.add(stroke)
         return stroke
+
+    def add(self, move: Move) -> None:
+        """Any other kind of move, begun at the clock."""
+        self.moves.append(move)
+        self.clock_s = move.end_s
 
     def path(self) -> HandPath:
         """All of it."""

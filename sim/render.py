@@ -64,19 +64,29 @@ class StereoRenderer:
         self, colour: bool = True, labels: bool = True, amodal: bool = True, person: bool = True
     ) -> tuple[ViewRender, ViewRender]:
         """Both views of the world's current pose; `person=False` hides the person alone."""
+        left, right = (
+            self.view(index, colour, labels, amodal, person) for index in range(len(CAMERAS))
+        )
+        return left, right
+
+    def view(
+        self,
+        index: int,
+        colour: bool = True,
+        labels: bool = True,
+        amodal: bool = True,
+        person: bool = True,
+    ) -> ViewRender:
+        """One view of the world's current pose: 0 left, 1 right."""
         shown = [g for g in self._groups if person or g not in self.world.person_groups]
         self._begin()
-        views = []
-        for camera, pinhole, lens in zip(
-            self._cameras, self.world.rig.cameras, self.world.lenses, strict=True
-        ):
-            frame = _Frame(camera, (pinhole.height_px, pinhole.width_px), lens)
-            self._update(camera, shown)
-            picture = self._colour(frame) if colour else None
-            depth, geoms, targets = self._labels(frame) if labels else (None, None, None)
-            counts = self._amodal(frame) if amodal else None
-            views.append(ViewRender(picture, depth, geoms, targets, counts))
-        return views[0], views[1]
+        camera, pinhole = self._cameras[index], self.world.rig.cameras[index]
+        frame = _Frame(camera, (pinhole.height_px, pinhole.width_px), self.world.lenses[index])
+        self._update(camera, shown)
+        picture = self._colour(frame) if colour else None
+        depth, geoms, targets = self._labels(frame) if labels else (None, None, None)
+        counts = self._amodal(frame) if amodal else None
+        return ViewRender(picture, depth, geoms, targets, counts)
 
     def close(self) -> None:
         """Free the GPU's copies of the model; safe to call twice."""
@@ -147,15 +157,14 @@ class StereoRenderer:
         rgb = np.empty((*size, 3), np.uint8)
         raw = np.empty(size, np.float32) if with_depth else None
         self._mujoco.mjr_readPixels(rgb, raw, viewport, self._context)
-        scene_id = rgb[::-1, :, 0].astype(np.int32)
+        if frame.lens is None:
+            rgb, raw = rgb[::-1], None if raw is None else raw[::-1]
+        else:
+            rgb, raw = frame.lens.labels(rgb), None if raw is None else frame.lens.labels(raw)
+        scene_id = rgb[..., 0].astype(np.int32)
         if self._scene.ngeom > 254:
-            scene_id |= rgb[::-1, :, 1].astype(np.int32) << 8
-            scene_id |= rgb[::-1, :, 2].astype(np.int32) << 16
-        if raw is not None:
-            raw = raw[::-1]
-        if frame.lens is not None:
-            scene_id = frame.lens.labels(scene_id)
-            raw = None if raw is None else frame.lens.labels(raw)
+            scene_id |= rgb[..., 1].astype(np.int32) << 8
+            scene_id |= rgb[..., 2].astype(np.int32) << 16
         geom_type = int(self._mujoco.mjtObj.mjOBJ_GEOM)
         geom_of = np.full(self._scene.ngeom + 1, -1, np.int32)
         for geom in self._scene.geoms[: self._scene.ngeom]:

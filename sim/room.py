@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from pjpdaf.arrays import Floats
 from sim import textures
-from sim.assets import Assets, Quaternion, turned
+from sim.assets import Assets, Quaternion, check_word, turned
 from sim.body import ROOM
+from sim.kinematics import about_z
 from sim.objects import add_object
 from sim.shapes import revolved
 from sim.specs import RoomSpec
 
 WALL_X, SIDE_Y, HEIGHT, FRONT_X = -1.55, 2.1, 2.7, 2.6  # the room [m]
 TOP_M = 0.028  # thickness of the table top
+AIM_M = np.array([0.1, 0.0, 0.95])  # what the lights point at
 _FACING: Quaternion = (0.5, 0.5, 0.5, 0.5)  # a plane's x, y, z to the world's y, z, x
 _FROM_RIGHT: Quaternion = (0.7071068, -0.7071068, 0.0, 0.0)  # normal +y
 _FROM_LEFT: Quaternion = (0.7071068, 0.7071068, 0.0, 0.0)  # normal -y
@@ -141,8 +144,10 @@ def _furniture(assets: Assets) -> None:
 
 def _table(assets: Assets, room: RoomSpec) -> None:
     world = assets.spec.worldbody
-    grain = textures.wood(assets.rng("table"), room.table_rgb)
-    assets.painted("table", grain, specular=0.08, shininess=0.3)
+    check_word("RoomSpec.table_surface", room.table_surface, textures.SURFACES)
+    picture = textures.tabletop(assets.rng("table"), room.table_rgb, room.table_surface)
+    gloss = {"wood": 0.08, "cloth": 0.0, "plain": 0.12}[room.table_surface]
+    assets.painted("table", picture, specular=gloss, shininess=0.3)
     edge = tuple(0.82 * c for c in room.table_rgb)
     assets.plain("table:edge", (edge[0], edge[1], edge[2]))
     x = room.table_near_x_m + room.table_depth_m / 2
@@ -171,6 +176,12 @@ def _chair(assets: Assets) -> None:
         assets.box(world, f"chair:slat:{i}", (-0.252, 0, z), (0.010, 0.215, 0.038), "chair")
 
 
+def key_direction(azimuth_rad: float) -> Floats:
+    """The way (3,) in which the key light shines, turned by this much about the vertical."""
+    way: Floats = about_z(azimuth_rad) @ np.array([-0.78, -0.42, -0.80])
+    return way / float(np.linalg.norm(way))
+
+
 def _lights(assets: Assets, room: RoomSpec) -> None:
     """One light with shadows, one without, and an ambient head light, all of one colour.
 
@@ -182,16 +193,15 @@ def _lights(assets: Assets, room: RoomSpec) -> None:
     def lit(level: float) -> list[float]:
         return [level * room.light_gain * c for c in room.light_rgb]
 
-    aim = np.array([0.1, 0.0, 0.95])
     for name, along, diffuse, shadow in (
-        ("key", np.array([-0.78, -0.42, -0.80]), 0.56, True),
+        ("key", key_direction(room.light_azimuth_rad), 0.56, True),
         ("fill", np.array([-0.90, 0.45, 0.12]), 0.20, False),
     ):
         direction = along / np.linalg.norm(along)
         spec.worldbody.add_light(
             name=name,
             type=kind,
-            pos=(aim - 3.0 * direction).tolist(),
+            pos=(AIM_M - 3.0 * direction).tolist(),
             dir=direction.tolist(),
             diffuse=lit(diffuse),
             ambient=[0.0, 0.0, 0.0],

@@ -11,19 +11,28 @@ import numpy as np
 from pjpdaf.camera import StereoRig
 from pjpdaf.frames import StereoFrame
 from sim import selftest
-from sim.labels import truth_of, velocities
+from sim.clock import moment
+from sim.exposure import subframes
+from sim.labels import centres, truth_of, velocities
+from sim.miscalibration import miscalibrated
 from sim.pose import Pose
 from sim.render import StereoRenderer, ViewRender
 from sim.rig import stereo_rig
 from sim.script import Performance
-from sim.sensor import expose
+from sim.sensor import Picture, expose, mean_light
 from sim.truth import Truth
 from sim.world import CAMERAS, build
 
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """One frame with all that is known of it: noisy pictures, truth, clean renders, pose."""
+    """One frame with all that is known of it.
+
+    frame: pictures as the cameras give them, None where one was lost. truth: of the moment at which
+    the frame was taken, whatever time the frame itself carries. pose: of that moment. views: clean
+    renders, sharp even where the exposure blurs the pictures: of that moment too, but with shutter
+    skew the right one, and with it the right view's part of the truth, is of skew_s later.
+    """
 
     frame: StereoFrame
     truth: Truth
@@ -34,20 +43,21 @@ class Shot:
 class Simulation:
     """One performance, ready to play: compiles the scene and opens the renderer once.
 
-    Close it or use `with`. Raises InfrastructureError where OpenGL is missing or fails the
-    self-test, ValueError for a scene that cannot be built.
+    rig: the cameras that film; calibration: what a tracker is told of them, with the scene's
+    calibration error. Close it or use `with`. Raises InfrastructureError where OpenGL is missing or
+    fails the self-test, ValueError for a scene that cannot be built.
     """
 
     def __init__(self, performance: Performance) -> None:
         selftest.check_once()
         self.performance = performance
         self.rig = rig_of(performance)
-        self.calibration = self.rig
+        self.calibration = miscalibrated(self.rig, performance.scene.calibration_error)
         self._world = build(performance.scene)
         self._renderer = StereoRenderer(self._world)
 
     def frames(self) -> Iterator[tuple[StereoFrame, Truth]]:
-        """All frames in order, at times index / fps."""
+        """All frames in order, at times index / fps where the clock has no jitter."""
         for index in range(self.performance.frames):
             shot = self.shot(index)
             yield shot.frame, shot.truth
@@ -59,30 +69,48 @@ class Simulation:
 
     def shot(self, index: int) -> Shot:
         """The frame of this index; any order, any time, the same bytes."""
-        script = self.performance.script
-        t_s = index / self.performance.fps
-        pose = script.pose(t_s)
-        self._world.place(pose)
-        views = self._renderer.render()
-        frame = self._exposed(index, t_s, views, "")
+        script, scene = self.performance.script, self.performance.scene
+        now = moment(scene.clock, self.performance.fps, self.performance.seed, index, CAMERAS)
+        pose = script.pose(now.time_s)
+        if scene.sensor.skew_s > 0:
+            later_s = now.time_s + scene.sensor.skew_s
+            (left,), (right,) = self._filmed(now.time_s, (0,)), self._filmed(later_s, (1,))
+            moved = centres(script.pose(later_s)) - centres(pose)
+            moved_m = (np.zeros_like(moved), moved)
+        else:
+            left, right = self._filmed(now.time_s, (0, 1))
+            moved_m = None
+        views = left.view, right.view
         truth = truth_of(
-            index, pose, velocities(script, t_s), views, self.rig.cameras, script.events(t_s)
+            index,
+            pose,
+            velocities(script, now.time_s),
+            views,
+            self.rig.cameras,
+            script.events(now.time_s),
+            moved_m,
         )
-        return Shot(frame, truth, views, pose)
+        pictures = self._exposed(index, now.time_s, (left.light, right.light), "")
+        arrived = tuple(p if came else None for p, came in zip(pictures, now.arrived, strict=True))
+        return Shot(StereoFrame(index, now.stamp_s, arrived), truth, views, pose)
 
     def background(self) -> list[StereoFrame]:
         """`background_frames` pictures of the room at t = 0 without the person, for learning.
 
-        Table, chair and objects stay. Each has noise of its own, apart from all frames' noise.
+        Table, chair and objects stay. Each has noise of its own, apart from all frames' noise. All
+        are there and in time: whoever learns can wait.
         """
         first = self.performance.script.pose(0.0)
         places = MappingProxyType({**first.objects, **self.performance.learnt})
         self._world.place(replace(first, objects=places))
         views = self._renderer.render(labels=False, amodal=False, person=False)
-        return [
-            self._exposed(index, index / self.performance.fps, views, "background/")
-            for index in range(self.performance.background_frames)
-        ]
+        light = _colour(views[0]), _colour(views[1])
+        frames = []
+        for index in range(self.performance.background_frames):
+            t_s = index / self.performance.fps
+            pictures = self._exposed(index, t_s, light, "background/")
+            frames.append(StereoFrame(index, t_s, pictures))
+        return frames
 
     def close(self) -> None:
         """Free the renderer; safe to call twice."""
@@ -99,15 +127,45 @@ class Simulation:
     ) -> None:
         self.close()
 
+    def _filmed(self, time_s: float, which: tuple[int, ...]) -> list[_Filmed]:
+        """These views as they are exposed around time_s."""
+        script, exposure_s = self.performance.script, self.performance.scene.sensor.exposure_time_s
+        moments = subframes(script, self.rig.cameras, exposure_s, time_s)
+        middle = len(moments) // 2
+        sharp: list[ViewRender] = []
+        light: list[list[Picture]] = [[] for _ in which]
+        for k, t_s in enumerate(moments):
+            self._world.place(script.pose(t_s))
+            for pictures, camera in zip(light, which, strict=True):
+                full = k == middle
+                view = self._renderer.view(camera, labels=full, amodal=full)
+                pictures.append(_colour(view))
+                if full:
+                    sharp.append(view)
+        return [_Filmed(v, mean_light(p)) for v, p in zip(sharp, light, strict=True)]
+
     def _exposed(
-        self, index: int, t_s: float, views: tuple[ViewRender, ViewRender], stream: str
-    ) -> StereoFrame:
-        pictures: list[np.ndarray | None] = []
+        self, index: int, t_s: float, light: tuple[Picture, Picture], stream: str
+    ) -> tuple[Picture, Picture]:
         sensor, seed = self.performance.scene.sensor, self.performance.seed
-        for camera, view in zip(CAMERAS, views, strict=True):
-            assert view.colour is not None
-            pictures.append(expose(view.colour, sensor, seed, f"{stream}{camera}", index))
-        return StereoFrame(index, t_s, tuple(pictures))
+        left, right = (
+            expose(picture, sensor, seed, f"{stream}{camera}", index, t_s + delay_s)
+            for picture, camera, delay_s in zip(light, CAMERAS, (0.0, sensor.skew_s), strict=True)
+        )
+        return left, right
+
+
+@dataclass(frozen=True, eq=False)
+class _Filmed:
+    """A view in the middle of its exposure, and the picture of the whole of it."""
+
+    view: ViewRender
+    light: Picture
+
+
+def _colour(view: ViewRender) -> Picture:
+    assert view.colour is not None
+    return view.colour
 
 
 def rig_of(performance: Performance) -> StereoRig:

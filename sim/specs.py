@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 from sim.anatomy import Anatomy
 
 RGB = tuple[float, float, float]  # linear 0-1, as MuJoCo's rgba
+
+STAMPS = ("actual", "nominal")  # times that frames carry
 
 
 @dataclass(frozen=True)
@@ -16,7 +19,7 @@ class Appearance:
     skin_rgb: RGB = (0.84, 0.58, 0.45)
     hair_rgb: RGB = (0.16, 0.10, 0.07)
     shirt_rgb: RGB = (0.15, 0.22, 0.52)
-    short_sleeves: bool = False  # bare forearms: skin that belongs to no target
+    sleeves: str = "long"  # one of sim.body.SLEEVES
     beard: bool = False
     glasses: bool = False
     hair: str = "short"  # one of sim.head.HAIR
@@ -52,13 +55,18 @@ class RoomSpec:
     wall_rgb: RGB = (0.62, 0.63, 0.60)
     light_gain: float = 1.0
     light_rgb: RGB = (1.0, 1.0, 1.0)  # colour of all lights
+    light_azimuth_rad: float = 0.0  # the key light, turned about the vertical
     texture_seed: int = 0
     objects: tuple[ObjectSpec, ...] = ()
 
 
 @dataclass(frozen=True)
 class RigSpec:
-    """Two cameras on one head, looking at the person (thesis: wide-field cameras, 640 x 480)."""
+    """Two cameras on one head, looking at the person (thesis: wide-field cameras, 640 x 480).
+
+    distortion: OpenCV's coefficients k1, k2, p1, p2, ... of both lenses, empty for none. Raises
+    ValueError for numbers that no rig has.
+    """
 
     focal_px: float = 540.0
     baseline_m: float = 0.09
@@ -71,12 +79,21 @@ class RigSpec:
     principal_offset_px: tuple[float, float] = (0.0, 0.0)  # from the picture's centre, both views
     distortion: tuple[float, ...] = ()
 
+    def __post_init__(self) -> None:
+        for name in ("focal_px", "baseline_m", "width_px", "height_px"):
+            _within(self, name, least=0.0, open_end=True)
+        for name in ("height_m", "distance_m", "tilt_rad", "vergence_rad"):
+            _within(self, name)
+        _within(self, "principal_offset_px")
+        _within(self, "distortion")
+
 
 @dataclass(frozen=True)
 class SensorSpec:
     """What a real camera does to a picture, in the order in which it does it.
 
-    Light is linear until the picture is encoded; `sim.sensor` has the formulas.
+    Light is linear until the picture is encoded; `sim.sensor` has the formulas. Raises ValueError
+    for numbers that no camera has.
     """
 
     exposure_time_s: float = 0.0  # 0 = no blur; the picture is the mean over this time
@@ -88,16 +105,32 @@ class SensorSpec:
     flicker_rad: float = 0.0  # its phase at t = 0
     noise_sd: float = 3.0  # read noise, grey levels
     shot_noise_sd: float = 0.0  # shot noise at grey level 128, grey levels
-    jpeg_quality: int = 100  # 100 = not compressed
+    jpeg_quality: int = 100  # 1 to 99; 100 = not compressed
+
+    def __post_init__(self) -> None:
+        for name in ("exposure_time_s", "skew_s", "flicker_hz", "noise_sd", "shot_noise_sd"):
+            _within(self, name, least=0.0)
+        _within(self, "white_balance_rgb", least=0.0)
+        _within(self, "flicker", least=0.0, most=1.0)
+        _within(self, "jpeg_quality", least=1, most=100)
+        for name in ("exposure_ev", "flicker_rad"):
+            _within(self, name)
 
 
 @dataclass(frozen=True)
 class ClockSpec:
-    """When pictures are taken, and which arrive."""
+    """When pictures are taken, and which arrive. Raises ValueError for what no clock does."""
 
-    jitter_s: float = 0.0  # a picture is taken up to this much before or after its time
-    stamps: str = "true"  # frames carry the time at which they were taken; or "nominal"
+    jitter_s: float = 0.0  # pictures are taken up to this much before or after their time
+    stamps: str = "actual"  # frames carry when they were taken; "nominal": when they should be
     dropped: float = 0.0  # chance that a view's picture does not arrive
+
+    def __post_init__(self) -> None:
+        _within(self, "jitter_s", least=0.0)
+        _within(self, "dropped", least=0.0, most=1.0)
+        if self.stamps not in STAMPS:
+            known = " or ".join(STAMPS)
+            raise ValueError(f"ClockSpec.stamps must be {known}, got {self.stamps!r}")
 
 
 @dataclass(frozen=True)
@@ -105,12 +138,18 @@ class CalibrationError:
     """How the calibration that a tracker is given differs from the rig that films.
 
     The left camera keeps its place. baseline: share by which the distance is overstated; focal:
-    likewise of both focal lengths; rotation_rad: of the right camera about its own x, y, z.
+    likewise of both focal lengths; rotation_rad: of the right camera about its own x, y, z, as one
+    rotation vector. Raises ValueError for what leaves no rig.
     """
 
     baseline: float = 0.0
     focal: float = 0.0
     rotation_rad: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        for name in ("baseline", "focal"):
+            _within(self, name, least=-1.0, open_end=True)
+        _within(self, "rotation_rad")
 
 
 @dataclass(frozen=True)
@@ -124,3 +163,26 @@ class SceneSpec:
     sensor: SensorSpec = field(default_factory=SensorSpec)
     clock: ClockSpec = field(default_factory=ClockSpec)
     calibration_error: CalibrationError = field(default_factory=CalibrationError)
+
+
+def _within(
+    record: object,
+    name: str,
+    least: float = -math.inf,
+    most: float = math.inf,
+    open_end: bool = False,
+) -> None:
+    """Raise ValueError where a field, or one of its values, is not finite or out of bounds."""
+    value = getattr(record, name)
+    for number in value if isinstance(value, tuple) else (value,):
+        if math.isfinite(number) and least <= number <= most and not (open_end and number == least):
+            continue
+        if number < least == 0 and most == math.inf:
+            rule = "must not be negative"
+        elif not math.isfinite(number):
+            rule = "must be finite"
+        elif open_end:
+            rule = f"must be above {least:g}"
+        else:
+            rule = f"must be from {least:g} to {most:g}"
+        raise ValueError(f"{type(record).__name__}.{name} {rule}, got {value}")

@@ -9,6 +9,7 @@ import math
 from bisect import bisect_right
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -112,6 +113,29 @@ def quaternion_of(rotation: Floats) -> Floats:
     return vector if vector[0] >= 0 else -vector
 
 
+class Move(Protocol):
+    """A piece of a hand's path: it goes on from any state, and from end_s on it holds `to`."""
+
+    @property
+    def start_s(self) -> float:
+        """When it begins [s]."""
+        ...
+
+    @property
+    def end_s(self) -> float:
+        """When it is over [s]."""
+        ...
+
+    @property
+    def to(self) -> HandState:
+        """The state it ends in."""
+        ...
+
+    def at(self, t_s: float, start: HandState) -> HandState:
+        """The state at t_s >= start_s of a move that began in `start`."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class Stroke:
     """One minimum-jerk move from wherever the path is to `to`, on a path bowed by bulge_m (3,).
@@ -131,7 +155,7 @@ class Stroke:
     def at(self, t_s: float, start: HandState) -> HandState:
         """The state at t_s of a stroke that began in `start`."""
         u = minimum_jerk((t_s - self.start_s) / self.duration_s)
-        return _between(start, self.to, u, self.bulge_m)
+        return between(start, self.to, u, self.bulge_m)
 
     @property
     def end_s(self) -> float:
@@ -175,11 +199,12 @@ class Glide:
         # Cubic share from (begun_share, begun_rate) to (1, 0), never back.
         left, rate = 1.0 - self.begun_share, self.begun_rate * T
         share = self.begun_share + s * (rate + s * (3 * left - 2 * rate + s * (rate - 2 * left)))
-        state = _between(self.begun, self.to, min(max(share, 0.0), 1.0), None)
+        state = between(self.begun, self.to, min(max(share, 0.0), 1.0))
         return replace(state, position_m=position)
 
 
-def _between(a: HandState, b: HandState, u: float, bulge_m: Floats | None) -> HandState:
+def between(a: HandState, b: HandState, u: float, bulge_m: Floats | None = None) -> HandState:
+    """The state at share u of the way from a to b, on a path bowed by 4 u (1 - u) bulge_m (3,)."""
     if u <= 0.0:
         return a
     if u >= 1.0:
@@ -208,7 +233,7 @@ class HandPath:
     """
 
     first: HandState
-    moves: tuple[Stroke | Glide, ...]
+    moves: tuple[Move, ...]
 
     def __post_init__(self) -> None:
         for before, after in zip(self.moves, self.moves[1:], strict=False):

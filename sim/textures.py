@@ -1,4 +1,4 @@
-"""Procedural textures: plaster, wood, cloth, carpet, a painting. uint8 RGB (h, w, 3)."""
+"""Procedural textures: plaster, wood, cloth, carpet, paintings. uint8 RGB (h, w, 3)."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from pjpdaf.arrays import Floats
 from sim.specs import RGB
 
 Picture = np.ndarray
+PATTERNS = ("plain", "stripes", "checks")  # of a shirt's cloth
+SURFACES = ("wood", "cloth", "plain")  # of a table
+STRIPES = 18  # bands over a whole shirt: a multiple of 3, as sleeves are cut from a third of it
 
 
 def value_noise(rng: np.random.Generator, shape: tuple[int, int], cells: tuple[int, int]) -> Floats:
@@ -60,13 +63,56 @@ def wood(rng: np.random.Generator, rgb: RGB, planks: int = 5, size: int = 512) -
     return shade(rgb, luminance)
 
 
-def cloth(rng: np.random.Generator, rgb: RGB, size: int = 256) -> Picture:
-    """Woven cloth with soft wrinkles."""
+def cloth(rng: np.random.Generator, rgb: RGB, pattern: str = "plain", size: int = 256) -> Picture:
+    """Woven cloth with soft wrinkles, with one of PATTERNS printed on it.
+
+    STRIPES bands along the rows, as many checks along the columns: a piece of a whole share of the
+    width closes without a seam.
+    """
     shape = (size, size)
     folds = value_noise(rng, shape, (10, 7))
     folds = np.tanh(folds) + 0.5 * value_noise(rng, shape, (22, 16))
     weave = rng.standard_normal(shape)
-    return shade(rgb, 0.94 + 0.06 * folds + 0.025 * weave)
+    light = 0.94 + 0.06 * folds + 0.025 * weave
+    if pattern == "plain":
+        return shade(rgb, light)
+    turn = np.arange(size) * (2 * np.pi * STRIPES / size)
+    band = soft(np.sin(turn), 0.35)
+    share = np.broadcast_to(0.85 * band[:, None], shape)
+    if pattern == "checks":
+        share = 0.45 * (band[:, None] + soft(np.sin(turn), 0.35)[None, :])
+    ground = np.array(rgb)
+    print_ = second_colour(ground)
+    mixed = ground + (print_ - ground) * share[..., None]
+    return to_bytes(mixed * light[..., None])
+
+
+def second_colour(rgb: Floats) -> Floats:
+    """What a pattern is printed with: light on dark cloth, dark on light cloth, of the same hue."""
+    if rgb.max() < 0.62:
+        return np.asarray(0.70 * np.array([0.93, 0.95, 1.0]) + 0.16 * rgb)
+    return np.asarray(0.42 * rgb)
+
+
+def tabletop(rng: np.random.Generator, rgb: RGB, surface: str, size: int = 512) -> Picture:
+    """The top of a table, one of SURFACES: planks, a pressed table cloth, or laminate."""
+    if surface == "wood":
+        return wood(rng, rgb)
+    shape = (size, size)
+    if surface == "cloth":
+        thread = 0.020 * (rng.standard_normal((1, size)) + rng.standard_normal((size, 1)))
+        folds = 0.012 * value_noise(rng, shape, (7, 5))
+        at = np.linspace(0, 1, size)
+        # The creases of the cupboard: it was folded in three and in two.
+        creases = np.zeros(shape)
+        for place in (0.335, 0.665):
+            creases += np.tanh((at - place) / 0.004)[None, :] * np.exp(
+                -(((at - place) / 0.02) ** 2)
+            )
+        creases += (np.tanh((at - 0.5) / 0.005) * np.exp(-(((at - 0.5) / 0.025) ** 2)))[:, None]
+        return shade(rgb, 1 + thread + folds + 0.06 * creases)
+    specks = np.where(rng.random(shape) > 0.985, -0.05, 0.0)
+    return shade(rgb, 1 + 0.010 * rng.standard_normal(shape) + specks)
 
 
 def carpet(rng: np.random.Generator, rgb: RGB, size: int = 256) -> Picture:
@@ -77,17 +123,21 @@ def carpet(rng: np.random.Generator, rgb: RGB, size: int = 256) -> Picture:
     )
 
 
-def painting(rng: np.random.Generator, size: int = 256) -> Picture:
-    """Hills under a sky, in greens and blues."""
+def painting(rng: np.random.Generator, size: int = 256, warm: bool = False) -> Picture:
+    """Hills under a sky, in greens and blues; warm: dunes in the evening, much like skin."""
     v = np.repeat(np.linspace(0, 1, size)[:, None], size, axis=1)
     picture = np.stack([0.45 + 0.3 * v, 0.62 + 0.2 * v, 0.80 - 0.05 * v], axis=-1)
+    land, change = np.array([0.30, 0.46, 0.40]), np.array([0.0, 0.04, -0.03])
+    if warm:
+        picture = np.stack([0.80 + 0.08 * v, 0.60 + 0.06 * v, 0.50 - 0.02 * v], axis=-1)
+        land, change = np.array([0.78, 0.54, 0.40]), np.array([0.02, 0.0, 0.0])
     clouds = np.clip(value_noise(rng, (size, size), (9, 5)), 0, 2)[..., None]
     picture = picture + 0.09 * clouds * (v < 0.5)[..., None]
     for layer in range(4):
         line = 0.42 + 0.14 * layer + 0.07 * value_noise(rng, (1, size), (1, 4 + layer))[0]
-        green = np.array([0.30, 0.46, 0.40]) * (1 - 0.17 * layer) + np.array([0.0, 0.04, -0.03])
+        colour = land * (1 - 0.17 * layer) + change
         rough = 1 + 0.08 * value_noise(rng, (size, size), (40, 30))[..., None]
-        picture = np.where((v > line[None, :])[..., None], green * rough, picture)
+        picture = np.where((v > line[None, :])[..., None], colour * rough, picture)
     return to_bytes(picture)
 
 

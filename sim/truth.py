@@ -48,7 +48,10 @@ class ViewTruth:
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """The truth of a frame, world frame.
+    """The truth of a frame, world frame, of the moment time_s at which it was really taken.
+
+    With shutter skew the right view is exposed later: what `views` says of it is of that later
+    moment, everything in three dimensions of time_s.
 
     centres_m (T, 3): centres of head and palms; velocities_mps (T, 3);
     surfaces_m (T, 3): centroid of the visible skin surface over all views, NaN where unseen.

@@ -9,48 +9,70 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from sim.contact import capsule_gap, hand_capsules
+from pjpdaf.camera import Camera, project, to_camera
+from sim.contact import Capsules, capsule_gap, hand_capsules
 from sim.kinematics import OUTWARD, norm
 from sim.motion import Cue, Plan
 from sim.planner import HandPlanner, raised
+from sim.rig import stereo_rig
 from sim.stage import STILL_S, Gesture, Stage, no_objects
 from sim.strokes import (
     Glide,
     HandState,
     Stroke,
+    between,
     minimum_jerk,
     minimum_jerk_rate,
     minimum_jerk_second,
 )
 
-_RISE_M = 0.01  # of the farther hand over the nearer one: keeps it out of the other's forearm
+# The nearer arm reaches in from outside, the farther one over it: so the forearms pass each other.
+_RISE_M = 0.045  # of the farther hand over the nearer one
+_TILT_RAD = 0.6  # between the hands, so that their fingers meet all the same
+_SWIVEL_RAD = 0.8  # between the elbows, outward that of the nearer one
+_SHARES = 101  # of a stroke at which its pictures are looked at
+_SURELY_PX = 4.0  # outlines that overlap by this much are one blob in any picture
+
+
+Pair = tuple[HandState, HandState]
 
 
 @dataclass(frozen=True, eq=False)
-class _Approach:
+class Approach:
     """Both hands up, apart, one nearer to the cameras, about to stroke through the middle."""
 
     hands: tuple[HandPlanner, HandPlanner]
-    apart: tuple[HandState, HandState]
-    crossed: tuple[HandState, HandState]
+    apart: Pair
+    crossed: Pair
     bows_m: tuple[Floats, Floats]
 
 
-def _approach(stage: Stage) -> _Approach:
+def approach(stage: Stage, bow_m: float = 0.0) -> Approach:
+    """Raise both hands, as the parameters `APPROACH` say, ready to stroke across the middle.
+
+    bow_m: of the strokes to come, along the depth, away from each other.
+    """
     front = stage.side("front")
     gap, height, x = stage.number("depth_gap"), stage.number("height"), stage.number("centre_x")
-    spread, past, bow = stage.number("spread"), stage.number("past"), stage.number("bow")
+    spread, past = stage.number("spread"), stage.number("past")
     apart, crossed, bows = [], [], []
     for side in (0, 1):
         ahead = 0.5 if side == front else -0.5
-        # The farther hand passes higher: below it, the nearer arm comes in from its elbow.
         away = np.array([ahead * gap, 0.0, -ahead * _RISE_M])
         centre = np.array([x, 0.0, stage.scene.room.table_height_m + height]) + away
         lateral = np.array([0.0, OUTWARD[side], 0.0])
-        held = raised(side, centre, 1.0, -0.35, 1.2, curl=0.16)
+        held = raised(
+            side,
+            centre,
+            1.0,
+            -0.35 - ahead * _TILT_RAD,
+            1.2,
+            curl=0.16,
+            swivel_rad=ahead * _SWIVEL_RAD,
+        )
         apart.append(replace(held, position_m=centre + spread * lateral))
         crossed.append(replace(held, position_m=centre - past * lateral))
-        bows.append(np.array([2.0 * ahead * bow, 0.0, 0.0]))
+        bows.append(np.array([2.0 * ahead * bow_m, 0.0, 0.0]))
     hands = (HandPlanner(stage.rest(0)), HandPlanner(stage.rest(1)))
     start = STILL_S + stage.number("wait")
     for side in (0, 1):
@@ -59,16 +81,59 @@ def _approach(stage: Stage) -> _Approach:
     ready = max(hand.clock_s for hand in hands) + 0.4
     for hand in hands:
         hand.until(ready)
-    return _Approach(hands, (apart[0], apart[1]), (crossed[0], crossed[1]), (bows[0], bows[1]))
+    return Approach(hands, (apart[0], apart[1]), (crossed[0], crossed[1]), (bows[0], bows[1]))
 
 
-def _meeting_share(stage: Stage) -> float:
-    """Share u of the crossing stroke's way after which the palms are merge_gap apart across."""
+def merged_shares(stage: Stage, a: Approach, here: Pair, there: Pair) -> tuple[float, float]:
+    """Shares of the way from here to there between which the hands are one blob, as cameras see.
+
+    From the first on both views show one blob, until the last at least one does. Hands that never
+    meet in the pictures have both where they come nearest.
+    """
+    shares = np.linspace(0.0, 1.0, _SHARES)
+    cameras = stereo_rig(stage.scene.rig)
+    gaps = np.empty((_SHARES, 2))
+    shapes = [hand_capsules(stage.scene.anatomy, s, here[s].curls) for s in (0, 1)]
+    for row, u in enumerate(shares.tolist()):
+        bars = [
+            shapes[s].placed(
+                between(here[s], there[s], u, a.bows_m[s]).position_m, here[s].rotation
+            )
+            for s in (0, 1)
+        ]
+        for view, camera in enumerate((cameras.left, cameras.right)):
+            gaps[row, view] = _blob_gap(camera, bars[0], bars[1])
+    both, one = gaps.max(axis=1) < -_SURELY_PX, gaps.min(axis=1) < 0.0
+    if not both.any():
+        nearest = float(shares[gaps.max(axis=1).argmin()])
+        return nearest, nearest
+    return float(shares[both.argmax()]), float(shares[np.flatnonzero(one)[-1]])
+
+
+def _blob_gap(camera: Camera, right: Capsules, left: Capsules) -> float:
+    """Distance [px] of two hands' outlines in a view, negative where they overlap."""
+    places, radii = [], []
+    for bars in (right, left):
+        points = np.concatenate([bars.starts_m, 0.5 * (bars.starts_m + bars.ends_m), bars.ends_m])
+        places.append(project(camera, points))
+        radii.append(np.tile(bars.radii_m, 3) * camera.K[0, 0] / to_camera(camera, points)[:, 2])
+    offsets = places[0][:, None] - places[1][None]
+    distances = np.sqrt((offsets * offsets).sum(axis=-1))
+    return float((distances - radii[0][:, None] - radii[1][None]).min())
+
+
+def _merging(stage: Stage, a: Approach) -> tuple[float, float]:
+    """Shares of the crossing's way at which the hands merge, and part.
+
+    They merge where they do in both pictures, and not before their palms are merge_gap apart.
+    """
     spread, past = stage.number("spread"), stage.number("past")
-    return (spread - 0.5 * stage.number("merge_gap")) / (spread + past)
+    first, last = merged_shares(stage, a, a.apart, a.crossed)
+    first = max(first, (spread - 0.5 * stage.number("merge_gap")) / (spread + past))
+    return first, max(first, last)
 
 
-def _share_time(u: float) -> float:
+def share_time(u: float) -> float:
     """The share s of the time with minimum_jerk(s) = u, by bisection to 1e-15."""
     low, high = 0.0, 1.0
     for _ in range(60):
@@ -77,7 +142,13 @@ def _share_time(u: float) -> float:
     return 0.5 * (low + high)
 
 
-def _lower(stage: Stage, hands: tuple[HandPlanner, HandPlanner]) -> None:
+def during(name: str, stroke: Stroke, shares: tuple[float, float]) -> Cue:
+    """The time in which a stroke goes from one share of its way to another."""
+    first, last = (stroke.start_s + stroke.duration_s * share_time(u) for u in shares)
+    return Cue(name, first, last)
+
+
+def lower(stage: Stage, hands: tuple[HandPlanner, HandPlanner]) -> None:
     """Both hands back to their places on the table."""
     for side in (0, 1):
         hands[side].move(stage.rest(side), stage.number("raise_speed"), [0.0, 0.0, 0.02])
@@ -85,10 +156,10 @@ def _lower(stage: Stage, hands: tuple[HandPlanner, HandPlanner]) -> None:
 
 def _cross(stage: Stage) -> Plan:
     """The hands pass each other, stay crossed, and go back if the parameter `back` says so."""
-    a = _approach(stage)
+    a = approach(stage, stage.number("bow"))
     speed = stage.number("speed")
     strokes = [a.hands[s].move(a.crossed[s], speed, a.bows_m[s]) for s in (0, 1)]
-    cues = [_merge_cue(stage, strokes[0], "cross")]
+    cues = [during("cross", strokes[0], _merging(stage, a))]
     crossed_s = strokes[0].end_s
     for hand in a.hands:
         hand.wait(stage.number("hold"))
@@ -99,20 +170,11 @@ def _cross(stage: Stage) -> Plan:
         cues.append(Cue("cross_back", strokes[0].start_s, strokes[0].end_s))
         for hand in a.hands:
             hand.wait(0.4)
-        _lower(stage, a.hands)
+        lower(stage, a.hands)
     return stage.plan(a.hands, cues=tuple(cues))
 
 
-def _merge_cue(stage: Stage, stroke: Stroke, name: str) -> Cue:
-    """The time of the stroke in which the palms are less than merge_gap apart across."""
-    spread, past = stage.number("spread"), stage.number("past")
-    entry = _meeting_share(stage)
-    leave = min((spread + 0.5 * stage.number("merge_gap")) / (spread + past), 1.0)
-    first, last = (stroke.start_s + stroke.duration_s * _share_time(u) for u in (entry, leave))
-    return Cue(name, first, last)
-
-
-def _touching(stage: Stage, a: _Approach) -> tuple[Floats, Floats]:
+def _touching(stage: Stage, a: Approach) -> tuple[Floats, Floats]:
     """Palms (right, left), each (3,) [m], where the hands just touch: laid over each other.
 
     They are touch_gap apart across; along the depth, as little as leaves them out of each other.
@@ -136,39 +198,46 @@ def _touching(stage: Stage, a: _Approach) -> tuple[Floats, Floats]:
     return places(high)
 
 
+def brake(
+    hand: HandPlanner, stroke: Stroke, begun: HandState, share: float, stop_m: Floats
+) -> Glide:
+    """Break off the hand's last stroke, which began in `begun`, after this share of its way.
+
+    The hand goes on without a jump, comes to rest at stop_m (3,) and turns back to `begun`.
+    """
+    s, T = share_time(share), stroke.duration_s
+    rate, second = minimum_jerk_rate(s) / T, minimum_jerk_second(s) / (T * T)
+    way_m = stroke.to.position_m - begun.position_m
+    along = way_m + 4.0 * (1.0 - 2.0 * share) * stroke.bulge_m
+    velocity = rate * along
+    acceleration = second * along - 8.0 * rate * rate * stroke.bulge_m
+    broken_s = stroke.start_s + s * T
+    # Twice the way over the speed: a brake that neither overshoots nor creeps.
+    way = norm(stop_m - stroke.at(broken_s, begun).position_m)
+    glide = Glide(
+        start_s=broken_s,
+        duration_s=max(2.0 * way / norm(velocity), 0.15),
+        to=replace(begun, position_m=stop_m),
+        velocity_mps=velocity,
+        acceleration_mps2=acceleration,
+        begun=begun,
+        begun_share=share,
+        begun_rate=rate,
+    )
+    hand.moves.append(glide)
+    hand.clock_s = glide.end_s
+    return glide
+
+
 def _bounce(stage: Stage) -> Plan:
     """The same approach, but where the hands would merge they brake, touch and return."""
-    a = _approach(stage)
+    a = approach(stage, stage.number("bow"))
     speed = stage.number("speed")
-    meeting = _meeting_share(stage)
-    s = _share_time(meeting)
+    meeting = _merging(stage, a)[0]
     touching = _touching(stage, a)
     for side in (0, 1):
-        hand = a.hands[side]
-        start, goal, bow = a.apart[side].position_m, a.crossed[side].position_m, a.bows_m[side]
-        stroke = hand.move(a.crossed[side], speed, bow)
-        T, u = stroke.duration_s, meeting
-        rate, second = minimum_jerk_rate(s) / T, minimum_jerk_second(s) / (T * T)
-        along = goal - start + 4.0 * (1.0 - 2.0 * u) * bow
-        velocity = rate * along
-        acceleration = second * along - 8.0 * rate * rate * bow
-        broken_s = stroke.start_s + s * T
-        touch_m = touching[side]
-        touch = replace(a.apart[side], position_m=touch_m)
-        # Twice the way over the speed: a brake that neither overshoots nor creeps.
-        way = norm(touch_m - stroke.at(broken_s, a.apart[side]).position_m)
-        brake = Glide(
-            start_s=broken_s,
-            duration_s=max(2.0 * way / norm(velocity), 0.15),
-            to=touch,
-            velocity_mps=velocity,
-            acceleration_mps2=acceleration,
-            begun=a.apart[side],
-            begun_share=u,
-            begun_rate=rate,
-        )
-        hand.moves.append(brake)
-        hand.clock_s = brake.end_s
+        stroke = a.hands[side].move(a.crossed[side], speed, a.bows_m[side])
+        brake(a.hands[side], stroke, a.apart[side], meeting, touching[side])
     ended = max(hand.clock_s for hand in a.hands)
     cues = [Cue("bounce", a.hands[0].moves[-1].start_s, ended)]
     for side in (0, 1):
@@ -180,11 +249,11 @@ def _bounce(stage: Stage) -> Plan:
     cues.append(Cue("return", touched, a.hands[0].clock_s))
     for hand in a.hands:
         hand.wait(stage.number("hold"))
-    _lower(stage, a.hands)
+    lower(stage, a.hands)
     return stage.plan(a.hands, cues=tuple(cues))
 
 
-_APPROACH = (
+APPROACH = (
     "speed",
     "raise_speed",
     "depth_gap",
@@ -200,6 +269,6 @@ _APPROACH = (
 )
 
 FAMILIES: Mapping[str, Gesture] = {
-    "cross": Gesture((*_APPROACH, "back"), no_objects, _cross),
-    "bounce": Gesture((*_APPROACH, "touch_gap", "touch"), no_objects, _bounce),
+    "cross": Gesture((*APPROACH, "back"), no_objects, _cross),
+    "bounce": Gesture((*APPROACH, "touch_gap", "touch"), no_objects, _bounce),
 }

@@ -218,7 +218,7 @@ def test_a_damaged_picture_is_named(run):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda m: m.update(schema_version=99), "schema version 99; this version reads 1"),
+        (lambda m: m.update(schema_version=99), "schema version 99; this version reads 2"),
         (lambda m: m.update(kind="?"), "is not the run.json of a saved run"),
         (lambda m: m.pop("files"), "'files' is missing or not a dict"),
         (lambda m: m["files"].pop("events.parquet"), "events.parquet is not listed"),

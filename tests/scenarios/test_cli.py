@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from scenarios.catalogue import scenario_names
+
 COMMAND = (sys.executable, "-m", "scenarios")
 ROOT = Path(__file__).parents[2]
 
@@ -60,8 +62,8 @@ def test_bad_input_is_one_line_and_exit_code_2(words, fragments):
 def test_a_fault_in_a_yaml_file_has_line_and_column(tmp_path):
     text = (ROOT / "scenarios/catalog/cross.yaml").read_text()
     file = tmp_path / "mine.yaml"
-    file.write_text(text.replace("frames: 48", "framez: 48"))
-    line = text[: text.index("frames: 48")].count("\n") + 1
+    file.write_text(text.replace("frames: 54", "framez: 48"))
+    line = text[: text.index("frames: 54")].count("\n") + 1
     done = bench("run", file)
     assert_one_line(done, 2, f"mine.yaml:{line}:1: framez: no such field; did you mean frames?")
 
@@ -108,9 +110,14 @@ def test_scenarios_list_show_validate_schema(tmp_path):
     shown = bench("scenarios", "show", "cross", "--seed", "3").stdout
     assert "depth_gap" in shown
     assert "seed 3" in shown
+    suite = bench("scenarios", "show", "core").stdout
+    assert "digest: " in suite
+    assert "drink+beard_glasses" in suite
+    dim = bench("scenarios", "show", "cross", "--set", "light_gain=0.31").stdout
+    assert "0.31" in dim
     good = bench("scenarios", "validate", *sorted((ROOT / "scenarios/catalog").glob("*.yaml")))
     assert good.returncode == 0
-    assert good.stdout.count(": ok") == 5
+    assert good.stdout.count(": ok") == len(scenario_names())
     bad = tmp_path / "bad.yaml"
     bad.write_text("name: [")
     assert bench("scenarios", "validate", bad).returncode == 2

@@ -86,7 +86,7 @@ def test_a_good_file_loads_and_text_with_units_becomes_numbers(tmp_path):
         ("name: mine", "name: My Name", "1:1: name: must be lower-case letters, digits and _, beginning with a letter, got 'My Name'"),
         ("{kind: drink}", "{kind: drnik}", f"6:10: motion.kind: must be one of {', '.join(GESTURES)}, got 'drnik'; did you mean drink?"),
         ("{kind: drink}", "drink", "6:1: motion: must be a mapping, got 'drink'"),
-        ("unit: m/s,", "unit: mph,", "9:11: parameters.speed.unit: must be one of m, cm, mm, m/s, cm/s, mm/s, km/h, s, ms, rad, deg, px, grey, 1, got 'mph'"),
+        ("unit: m/s,", "unit: mph,", "9:11: parameters.speed.unit: must be one of m, cm, mm, m/s, cm/s, mm/s, km/h, s, ms, rad, deg, px, grey, Hz, K, EV, 1, %, got 'mph'"),
         ("[0.4, 0.8]", "[0.8, 0.4]", "9:22: parameters.speed.range: range is reversed: 0.8 is greater than 0.4"),
         ("[0.4, 0.8]", "[0.4, .inf]", "9:35: parameters.speed.range.1: must be finite, got inf"),
         ("[0.4, 0.8]", "[0.4]", "9:22: parameters.speed.range.1: is missing"),

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from sim.anatomy import Anatomy
 from sim.kinematics import (
+    MAX_EXTENSION_RAD,
     MAX_STRETCH,
     MAX_SWIVEL_RAD,
     MAX_WRIST_BEND_RAD,
@@ -21,16 +22,20 @@ from sim.kinematics import (
     about_z,
     bone_frame,
     elbow_circle,
+    elbow_flexion,
     hand_rotation,
     norm,
     reach_limits,
+    shoulder_angles,
     shoulders,
     solve_arm,
     within_reach,
+    wrist_bend,
 )
 
 PERSON = Anatomy.of(1.72)
 SHOULDER = np.array([0.0, -0.186, 0.994])
+ACROSS = SHOULDER + np.array([0.30, 0.30, 0.0])
 
 offsets = st.tuples(st.floats(-1.2, 1.2), st.floats(-1.2, 1.2), st.floats(-1.2, 1.2)).map(np.array)
 angles = st.floats(-1.0, 1.0)
@@ -119,6 +124,86 @@ def test_the_elbow_is_kept_above_a_height_where_that_is_possible(height):
     assert circle.elbow(swivel)[2] >= min(height, possible) - 1e-9
     if 0.0 < swivel < MAX_SWIVEL_RAD:
         assert circle.elbow(swivel)[2] == pytest.approx(height, abs=1e-9)
+
+
+@given(side=sides, offset=offsets, swivel=st.floats(0.0, MAX_SWIVEL_RAD))
+def test_an_arm_tells_its_swivel_and_how_its_elbow_swings_with_it(side, offset, swivel):
+    arms = [
+        solve_arm(PERSON, side, SHOULDER, SHOULDER + offset, np.eye(3), turned)
+        for turned in (swivel, swivel + 1e-5)
+    ]
+    assert arms[0].swivel_rad == swivel
+    if np.abs(arms[0].hand - np.eye(3)).max() < 1e-12:  # a wrist at its limit turns the hand too
+        swung = (arms[1].elbow_m - arms[0].elbow_m) / 1e-5
+        np.testing.assert_allclose(swung, arms[0].swing, atol=1e-4)
+
+
+def test_the_elbow_follows_the_wrist_without_a_jump_wherever_a_hand_goes():
+    """Paths of the wrist about a shoulder, also beside and behind the head and behind the back."""
+    a, b = PERSON.upper_arm_m, PERSON.forearm_m
+    rng = np.random.default_rng(5)
+    step_m = 0.001
+    for side in (0, 1):
+        for _ in range(60):
+            ends = rng.uniform([-0.2, -0.35, -0.35], [0.45, 0.35, 0.4], (2, 3))
+            count = max(int(norm(ends[1] - ends[0]) / step_m), 2)
+            last = None
+            for share in np.linspace(0.0, 1.0, count):
+                offset = ends[0] + share * (ends[1] - ends[0])
+                axis = offset / max(norm(offset), 1e-9)
+                inward = -OUTWARD[side] * axis[1]
+                wrist = within_reach(SHOULDER, SHOULDER + offset, a, b)
+                elbow = elbow_circle(side, SHOULDER, wrist, a, b).elbow(0.6)
+                # Where no hand can go: through the back, inward or straight behind the hip.
+                impossible = axis[0] < -0.2 and (inward > 0.2 or axis[2] < -0.5)
+                close = norm(offset) < 0.2
+                if last is not None and not impossible and not close:
+                    assert norm(elbow - last) < 0.02
+                last = elbow
+
+
+def test_a_hand_behind_the_head_has_its_elbow_up_and_out():
+    for side in (0, 1):
+        wrist = SHOULDER + np.array([-0.12, -OUTWARD[side] * 0.15, 0.25])
+        circle = elbow_circle(side, SHOULDER, wrist, PERSON.upper_arm_m, PERSON.forearm_m)
+        elbow = circle.elbow(0.5) - SHOULDER
+        assert elbow[1] * OUTWARD[side] > 0.08
+        assert elbow[2] > 0.10
+
+
+def test_the_shoulder_is_not_taken_further_back_than_it_goes():
+    forward = np.array([1.0, 0.0, 0.0])
+    palm = SHOULDER + np.array([0.0, 0.0, -0.25])  # a hand at the side of the belly
+    hand = hand_rotation(0, 0.0, 0.8, 0.0)
+    free = solve_arm(PERSON, 0, SHOULDER, palm, hand, 0.1)
+    kept = solve_arm(PERSON, 0, SHOULDER, palm, hand, 0.1, forward=forward)
+    assert shoulder_angles(0, np.eye(3), free)[0] > MAX_EXTENSION_RAD
+    assert shoulder_angles(0, np.eye(3), kept)[0] <= MAX_EXTENSION_RAD
+    assert (kept.elbow_m[1] - free.elbow_m[1]) * OUTWARD[0] > 0.02
+    np.testing.assert_allclose(kept.palm_m, free.palm_m, atol=0.002)
+
+
+def test_joint_angles_are_those_of_known_poses():
+    wrist = SHOULDER + np.array([0.0, 0.0, -0.3])
+    hanging = solve_arm(PERSON, 0, SHOULDER, wrist, np.eye(3), 0.0)
+    extension, adduction = shoulder_angles(0, np.eye(3), hanging)
+    assert extension > 0.4  # the elbow is behind a hand at the hip
+    assert abs(adduction) < 0.05
+    # Law of cosines between upper arm and forearm.
+    a, b = PERSON.upper_arm_m, PERSON.forearm_m
+    d = norm(hanging.wrist_m - SHOULDER)
+    inner = math.acos((a * a + b * b - d * d) / (2 * a * b))
+    assert elbow_flexion(hanging) == pytest.approx(math.pi - inner, abs=1e-9)
+    straight = hanging.forearm[:, 0] @ hanging.hand[:, 0]
+    assert wrist_bend(hanging) == pytest.approx(math.acos(straight), abs=1e-9)
+    across = solve_arm(PERSON, 0, SHOULDER, ACROSS, np.eye(3), 0.5)
+    assert shoulder_angles(0, np.eye(3), across)[1] > 0.2
+    # A torso turned along leaves the joint where it was.
+    turn = about_z(0.4)
+    moved = solve_arm(PERSON, 0, SHOULDER, SHOULDER + turn @ (ACROSS - SHOULDER), turn, 0.5)
+    assert shoulder_angles(0, turn, moved)[1] == pytest.approx(
+        shoulder_angles(0, np.eye(3), across)[1], abs=1e-6
+    )
 
 
 def test_hand_frames_are_those_of_the_pose():

@@ -7,12 +7,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pjpdaf.camera import project
+from pjpdaf.camera import project, to_camera, triangulate
+from sim.colour import GAMMA, balance_rgb, light_rgb
+from sim.exposure import MOST_SUBFRAMES, SUBFRAME_PX, subframes
 from sim.rest import rest_pose
 from sim.script import Performance
-from sim.sensor import expose, rounded_gaussian
 from sim.sequence import Simulation, background, rig_of, simulate
-from sim.specs import ObjectSpec, RigSpec, RoomSpec, SceneSpec, SensorSpec
+from sim.specs import (
+    CalibrationError,
+    ClockSpec,
+    ObjectSpec,
+    RigSpec,
+    RoomSpec,
+    SceneSpec,
+    SensorSpec,
+)
 
 CAN = ObjectSpec("can", "can", (0.066, 0.066, 0.115), (0.72, 0.08, 0.10), (0.5, -0.3))
 SCENE = SceneSpec(rig=RigSpec(tilt_rad=0.28), room=RoomSpec(objects=(CAN,)))
@@ -118,32 +127,208 @@ def test_one_shot_functions_play_and_close():
     np.testing.assert_allclose(rig_of(quick).T, [-0.09, 0, 0], atol=1e-12)
 
 
-def test_noise_is_addressed_by_seed_stream_and_frame():
-    grey = np.full((60, 80, 3), 128, np.uint8)
-    sensor = SensorSpec(noise_sd=3.0)
-    plain = expose(grey, sensor, 1, "left", 0)
-    np.testing.assert_array_equal(plain, expose(grey, sensor, 1, "left", 0))
-    for other in ((2, "left", 0), (1, "right", 0), (1, "left", 1), (1, "background/left", 0)):
-        assert (plain != expose(grey, sensor, *other)).mean() > 0.5
-    np.testing.assert_array_equal(expose(grey, SensorSpec(0.0), 1, "left", 0), grey)
-    with pytest.raises(ValueError, match="noise_sd must not be negative, got -1"):
-        expose(grey, SensorSpec(-1.0), 1, "left", 0)
+SMALL = RigSpec(tilt_rad=0.28, focal_px=270.0, width_px=320, height_px=240)
 
 
-@pytest.mark.parametrize("sd", [1.0, 3.0, 12.0])
-def test_noise_has_the_asked_spread(sd):
-    levels = rounded_gaussian(sd).astype(float)
-    # Rounding to whole levels adds 1/12; the table ends at 4.3 sd.
-    assert levels.std() == pytest.approx(np.sqrt(sd**2 + 1 / 12), rel=0.003)
-    assert abs(levels.mean()) < 1e-12
-    grey = np.full((200, 200, 3), 128, np.uint8)
-    noisy = expose(grey, SensorSpec(sd), 5, "left", 3).astype(float)
-    assert noisy.std() == pytest.approx(sd, rel=0.02, abs=0.05)
+class Sliding:
+    """The right hand slides across the table at 1 m/s towards the person's left."""
+
+    def pose(self, t_s):
+        palms = ((0.34, -0.32 + 1.0 * t_s, 0.77), (0.34, 0.25, 0.77))
+        return rest_pose(SCENE.anatomy, palms_m=palms, time_s=t_s)
+
+    def events(self, t_s):
+        return ()
 
 
-def test_noise_stops_at_black_and_white():
-    for level in (0, 255):
-        picture = np.full((50, 50, 3), level, np.uint8)
-        noisy = expose(picture, SensorSpec(6.0), 1, "left", 0).astype(int)
-        assert 0.35 < (noisy == level).mean() < 0.65
-        assert abs(noisy - level).max() < 30
+def filmed(script=None, sensor=None, clock=None, **changed):
+    """A quiet performance with these effects."""
+    scene = replace(
+        SCENE, sensor=sensor or SensorSpec(noise_sd=0.0), clock=clock or ClockSpec(), **changed
+    )
+    return performance(scene=scene, script=script or Sliding(), frames=6, fps=15.0)
+
+
+def depth_of_right_hand(simulation, truth):
+    return float(to_camera(simulation.rig.left, truth.centres_m[1])[2])
+
+
+@pytest.fixture(scope="module")
+def quiet():
+    with Simulation(filmed()) as playing:
+        yield playing
+
+
+def redness(picture, box):
+    """Light of red less that of blue in a box: next to nothing on the grey table."""
+    x, y, w, h = box
+    cut = (picture[y : y + h, x : x + w].astype(float) / 255) ** GAMMA
+    return cut[..., 2] - cut[..., 0]
+
+
+def spread_along_rows(weight):
+    """Mean and variance of the column of a weight (h, w), over all its rows."""
+    x = np.arange(weight.shape[1])
+    mean = (weight * x).sum() / weight.sum()
+    return mean, (weight * (x - mean) ** 2).sum() / weight.sum()
+
+
+@pytest.mark.parametrize("exposure_s", [0.02, 0.04])
+def test_a_moving_hand_is_blurred_over_its_path(quiet, exposure_s):
+    """A path of L = v e f / Z adds L^2 / 12 to the variance of the hand's light along it."""
+    index = 3
+    with Simulation(filmed(sensor=SensorSpec(exposure_s, noise_sd=0.0))) as simulation:
+        blurred = simulation.shot(index)
+    sharp = quiet.shot(index)
+    x, y, w, h = sharp.truth.views[0].boxes_px[1].astype(int)
+    fingers = (x - 25, y + h // 2, w + 50, h // 2)  # without the blue sleeve
+    skin = np.s_[y + h // 2 : y + h, x : x + w]
+    depth_m = sharp.views[0].depth_m[skin][sharp.views[0].targets[skin] == 1].mean()
+    length = 1.0 * exposure_s * 540 / depth_m
+    table = redness(quiet.background()[0].pictures[0], fingers)
+    before, after = (
+        spread_along_rows(redness(shot.frame.pictures[0], fingers) - table)
+        for shot in (sharp, blurred)
+    )
+    assert after[0] == pytest.approx(before[0], abs=0.3)
+    assert np.sqrt(12 * (after[1] - before[1])) == pytest.approx(length, rel=0.05)
+    # All that does not move is as sharp as before, and the truth is of the middle.
+    still = np.s_[20:120, 20:200]
+    np.testing.assert_array_equal(blurred.frame.pictures[0][still], sharp.frame.pictures[0][still])
+    for view, same in zip(blurred.truth.views, sharp.truth.views, strict=True):
+        np.testing.assert_array_equal(view.centroids_px, same.centroids_px)
+    np.testing.assert_array_equal(blurred.views[0].colour, sharp.views[0].colour)
+
+
+def test_subframes_are_as_many_as_the_motion_needs():
+    rig = rig_of(performance())
+    still, fast = Still(), Sliding()
+    assert subframes(fast, rig.cameras, 0.0, 0.2) == (0.2,)
+    assert subframes(still, rig.cameras, 0.04, 0.2) == (0.2,)
+    for exposure_s in (0.005, 0.01, 0.02, 0.04):
+        times = np.array(subframes(fast, rig.cameras, exposure_s, 0.2))
+        assert len(times) % 2 == 1
+        assert times[len(times) // 2] == 0.2
+        step_px = 1.0 * exposure_s / len(times) * 540 / 1.0  # 1.0 m: the finger tips
+        assert step_px <= SUBFRAME_PX
+        if len(times) > 1:
+            np.testing.assert_allclose(np.diff(times), exposure_s / len(times))
+    assert len(subframes(fast, rig.cameras, 1.0, 0.6)) == MOST_SUBFRAMES
+    assert min(subframes(fast, rig.cameras, 0.04, 0.0)) == 0.0
+
+
+class Still:
+    """Nothing moves."""
+
+    def pose(self, t_s):
+        return rest_pose(SCENE.anatomy, time_s=t_s)
+
+    def events(self, t_s):
+        return ()
+
+
+def test_a_camera_balanced_for_the_lamp_shows_the_room_as_by_daylight(quiet):
+    lamp = replace(SCENE.room, light_rgb=light_rgb(4500.0))
+    sensor = SensorSpec(noise_sd=0.0, white_balance_rgb=balance_rgb(4500.0))
+    plain = quiet.shot(0).frame.pictures[0].astype(int)
+    pictures = []
+    for camera in (SensorSpec(noise_sd=0.0), sensor):
+        with Simulation(filmed(sensor=camera, room=lamp)) as simulation:
+            pictures.append(simulation.shot(0).frame.pictures[0].astype(int))
+    warm, balanced = pictures
+    assert np.abs(warm - plain).mean() > 5
+    assert np.abs(balanced - plain).mean() < 1.0
+
+
+@pytest.mark.parametrize("skew_s", [0.02, 0.05])
+def test_shutter_skew_moves_the_right_view_by_speed_times_delay(quiet, skew_s):
+    with Simulation(filmed(sensor=SensorSpec(skew_s=skew_s, noise_sd=0.0))) as simulation:
+        late = simulation.shot(2)
+    sharp = quiet.shot(2)
+    np.testing.assert_array_equal(late.frame.pictures[0], sharp.frame.pictures[0])
+    assert (late.frame.pictures[1] != sharp.frame.pictures[1]).mean() > 0.005
+    for view, expected in ((0, 0.0), (1, 540 * skew_s / depth_of_right_hand(quiet, sharp.truth))):
+        moved = late.truth.views[view].centroids_px - sharp.truth.views[view].centroids_px
+        assert moved[1, 0] == pytest.approx(expected, abs=0.04 * expected)
+        np.testing.assert_allclose(moved[[0, 2]], 0.0, atol=0.05)
+    # Everything in three dimensions is of the frame's own time.
+    assert late.truth.time_s == sharp.truth.time_s
+    np.testing.assert_array_equal(late.truth.centres_m, sharp.truth.centres_m)
+    np.testing.assert_array_equal(late.truth.velocities_mps, sharp.truth.velocities_mps)
+    np.testing.assert_allclose(late.truth.surfaces_m, sharp.truth.surfaces_m, atol=1.5e-3)
+
+
+def test_jitter_moves_picture_and_truth_and_the_stamp_as_asked(quiet):
+    for stamps in ("actual", "nominal"):
+        clock = ClockSpec(jitter_s=0.02, stamps=stamps)
+        with Simulation(filmed(clock=clock)) as simulation:
+            for index in (1, 4):
+                shot = simulation.shot(index)
+                late_s = shot.truth.time_s - index / 15.0
+                assert 1e-4 < abs(late_s) <= 0.02
+                carried = index / 15.0 if stamps == "nominal" else shot.truth.time_s
+                assert shot.frame.time_s == carried
+                on_time = quiet.shot(index).truth
+                moved = shot.truth.centres_m - on_time.centres_m
+                np.testing.assert_allclose(moved[1], [0, late_s, 0], atol=1e-9)
+                at = shot.truth.views[0].centroids_px - on_time.views[0].centroids_px
+                wanted = 540 * late_s / depth_of_right_hand(quiet, on_time)
+                assert at[1, 0] == pytest.approx(wanted, abs=0.3)
+
+
+def test_lost_pictures_are_none_and_the_truth_stays():
+    with Simulation(filmed(clock=ClockSpec(dropped=0.5), rig=SMALL)) as simulation:
+        played = [simulation.shot(index) for index in range(4)]
+        background = simulation.background()
+    lost = np.array([[p is None for p in shot.frame.pictures] for shot in played])
+    assert lost.any()
+    assert not lost.all()
+    with Simulation(filmed(rig=SMALL)) as simulation:
+        for index in np.flatnonzero(lost.any(axis=1)):
+            whole = simulation.shot(int(index))
+            np.testing.assert_array_equal(whole.truth.surfaces_m, played[index].truth.surfaces_m)
+            for mine, its in zip(played[index].frame.pictures, whole.frame.pictures, strict=True):
+                assert mine is None or (mine == its).all()
+    assert all(p is not None for frame in background for p in frame.pictures)
+
+
+def test_all_effects_together_give_the_same_frames_in_any_order():
+    everything = SensorSpec(
+        exposure_time_s=0.01,
+        skew_s=0.03,
+        exposure_ev=0.4,
+        white_balance_rgb=(1.2, 1.0, 0.8),
+        flicker=0.05,
+        noise_sd=2.0,
+        shot_noise_sd=3.0,
+        jpeg_quality=80,
+    )
+    rig = replace(SMALL, distortion=(-0.2, 0.08, 0.0, 0.0), principal_offset_px=(8.0, -5.0))
+    clock = ClockSpec(jitter_s=0.02, dropped=0.1)
+    playing = replace(filmed(sensor=everything, clock=clock, rig=rig), frames=2)
+    with Simulation(playing) as simulation:
+        straight = list(simulation.shots())
+    with Simulation(playing) as simulation:
+        back = [simulation.shot(index) for index in (1, 0)][::-1]
+    for one, other in zip(straight, back, strict=True):
+        assert one.frame.time_s == other.frame.time_s
+        np.testing.assert_array_equal(one.truth.surfaces_m, other.truth.surfaces_m)
+        for mine, its in zip(one.frame.pictures, other.frame.pictures, strict=True):
+            assert (mine is None) == (its is None)
+            if mine is not None:
+                np.testing.assert_array_equal(mine, its)
+
+
+def test_the_tracker_is_told_the_faulty_calibration_and_the_truth_uses_the_rig():
+    error = CalibrationError(baseline=0.05)
+    with Simulation(filmed(calibration_error=error, rig=SMALL)) as simulation:
+        assert np.linalg.norm(simulation.rig.T) == pytest.approx(0.09)
+        assert np.linalg.norm(simulation.calibration.T) == pytest.approx(0.09 * 1.05)
+        truth = simulation.shot(0).truth
+        pixels = np.array([view.centroids_px for view in truth.views])
+        for target in range(3):
+            seen = pixels[:, target]
+            right = to_camera(simulation.rig.left, triangulate(simulation.rig.cameras, seen))
+            told = simulation.calibration
+            wrong = to_camera(told.left, triangulate(told.cameras, seen))
+            np.testing.assert_allclose(wrong, 1.05 * right, rtol=1e-5)  # rays miss each other

@@ -137,7 +137,7 @@ def test_objects_follow_the_pose(world):
     up = Transform(np.array([0.4, 0.0, 1.1]), np.eye(3))
     world.place(replace(pose, objects={"can": up}))
     np.testing.assert_allclose(world.data.body("object:can").xpos, up.position_m)
-    with pytest.raises(KeyError, match=r"moves 'object:hat', the scene has the objects .'ball'"):
+    with pytest.raises(KeyError, match=r"moves 'object:hat', the scene has the objects .*'ball'"):
         world.place(replace(pose, objects={"hat": up}))
 
 
@@ -150,7 +150,7 @@ def test_an_unknown_kind_of_object_is_refused():
 @pytest.mark.parametrize("stature_m", [1.52, 1.90])
 def test_the_body_scales(stature_m):
     anatomy = Anatomy.of(stature_m)
-    look = Appearance(short_sleeves=True, beard=True, glasses=True)
+    look = Appearance(sleeves="short", beard=True, glasses=True)
     world = build(SceneSpec(anatomy=anatomy, appearance=look, rig=RIG))
     world.place(rest_pose(anatomy))
     with StereoRenderer(world) as renderer:

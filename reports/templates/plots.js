@@ -70,61 +70,12 @@
     }
   }, { rootMargin: "500px" });
 
-  for (const select of document.querySelectorAll("select[data-section]")) {
-    select.addEventListener("change", () => {
-      const section = document.getElementById(select.dataset.section);
-      for (const plot of section.querySelectorAll('.plot[data-kind="errors"], .plot[data-kind="paths"]')) {
-        plot.dataset.figure = plot.dataset.kind + "-" + select.value;
-        if (near.has(plot)) draw(plot);
-      }
-      let shown = 0;
-      for (const shots of section.querySelectorAll(".shots")) {
-        shots.hidden = shots.dataset.entry !== select.value;
-        shown += shots.hidden ? 0 : 1;
-      }
-      section.querySelector(".no-shots").hidden = shown > 0;
-    });
-  }
-
-  function openTarget() {
-    const place = location.hash && document.getElementById(location.hash.slice(1));
-    const details = place && place.querySelector(":scope > details");
-    if (details) { details.open = true; place.scrollIntoView(); }
-  }
-  addEventListener("hashchange", openTarget);
-  openTarget();
-
   function redraw() {
     for (const plot of plots) forget(plot);
     for (const plot of near) draw(plot);
   }
   dark.addEventListener("change", redraw);
   addEventListener("beforeprint", () => plots.filter((p) => p.dataset.kind !== "paths").forEach(draw));
-
-  const box = document.getElementById("lightbox");
-  let shown = null;
-  function show(shot) {
-    const image = shot.querySelector("img");
-    shown = shot;
-    box.querySelector("img").src = image.src;
-    box.querySelector("img").alt = image.alt;
-    box.querySelector("span").textContent = shot.querySelector("span").textContent;
-    if (!box.open) box.showModal();
-  }
-  function step(by) {
-    const all = [...shown.parentElement.children];
-    show(all[(all.indexOf(shown) + by + all.length) % all.length]);
-  }
-  for (const shot of document.querySelectorAll(".shot")) shot.addEventListener("click", () => show(shot));
-  for (const button of box.querySelectorAll("[data-step]")) {
-    button.addEventListener("click", () => step(Number(button.dataset.step)));
-  }
-  box.addEventListener("keydown", (event) => {
-    if (event.key === "ArrowLeft") step(-1);
-    if (event.key === "ArrowRight") step(1);
-  });
-  box.addEventListener("click", (event) => { if (event.target === box) box.close(); });
-  box.addEventListener("close", () => shown && shown.focus());
 
   (async () => {
     if (typeof DecompressionStream === "undefined") throw new Error("The plots need a browser of 2023 or later.");

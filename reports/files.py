@@ -1,0 +1,82 @@
+"""Files that appear whole or not at all, and what is said where a disk refuses them."""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from pjpdaf.errors import BenchError, InfrastructureError
+
+FULL = (errno.ENOSPC, errno.EDQUOT)
+_REMEDIES = {
+    errno.ENOSPC: " Free some space there, or write to another disk.",
+    errno.EDQUOT: " Remove files of yours there, or write to another disk.",
+    errno.EACCES: " Choose a folder that you may write to.",
+    errno.EPERM: " Choose a folder that you may write to.",
+    errno.EROFS: " Choose a folder that you may write to.",
+    errno.ENOENT: " Make its folder first.",
+    errno.ENOTDIR: " A part of the path is a file: choose another.",
+    errno.EISDIR: " It is a folder: add a file name.",
+    errno.ENAMETOOLONG: " Choose a shorter name.",
+}
+
+
+def write_fault(path: Path, what: str, error: OSError) -> BenchError:
+    """The one line for a disk that refused to write `what` to `path`.
+
+    InfrastructureError (exit code 5) where the disk or the user's share of it is full, else
+    BenchError (exit code 2).
+    """
+    # Of libraries (Arrow, FFmpeg) only the number is in one form.
+    number = error.errno
+    reason = os.strerror(number) if number else " ".join(str(error).split()).rstrip(".")
+    remedy = _REMEDIES.get(number or 0, "")
+    kind = InfrastructureError if number in FULL else BenchError
+    return kind(f"{_final(path)}: cannot write {what}: {reason}.{remedy}")
+
+
+@contextmanager
+def disk_faults(path: Path, what: str) -> Iterator[None]:
+    """Any OSError inside becomes the fault that says so (`write_fault`)."""
+    try:
+        yield
+    except OSError as error:
+        raise write_fault(path, what, error) from error
+
+
+@contextmanager
+def written_whole_file(path: Path, what: str, *, replace: bool = False) -> Iterator[Path]:
+    """A path of the same name to write to, in a temporary folder; at the end it becomes `path`.
+
+    An exception inside removes it. Raises BenchError where `path` is a folder, exists (unless
+    `replace`), or cannot be written.
+    """
+    path = path.absolute()
+    with disk_faults(path, what):
+        if path.is_dir():
+            raise BenchError(f"{path}: is a folder; add a file name.")
+        if path.exists() and not replace:
+            raise BenchError(f"{path}: exists; give another name, or remove it first.")
+        part = part_folder(path)
+    try:
+        yield part / path.name
+        with disk_faults(path, what):
+            (part / path.name).replace(path)
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
+
+
+def part_folder(path: Path) -> Path:
+    """A new hidden folder beside `path`, on the same disk, in which it is made. Raises OSError."""
+    return Path(tempfile.mkdtemp(prefix=f".{path.name}.part-", dir=path.parent))
+
+
+def _final(path: Path) -> Path:
+    """Where a file is to lie that is still in a part folder; nobody else knows that folder."""
+    return Path(re.sub(r"/\.([^/]+)\.part-\w+(?:/\1(?=/|$))?", r"/\1", str(path)))

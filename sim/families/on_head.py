@@ -1,0 +1,109 @@
+"""Hands laid on the head: where they touch it, and how they are turned there."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pjpdaf.arrays import Floats
+from sim.anatomy import Anatomy
+from sim.contact import arm_shape, exempt, hand_capsules
+from sim.kinematics import about, about_y, cross, norm, shoulders, solve_arm
+from sim.motion import posture
+from sim.solids import person_solids
+from sim.stage import Stage
+from sim.strokes import HandState, quaternion_of
+
+_FREE_M = 0.0005  # of air between a hand that touches and the head: nothing to project away
+
+
+def _half_axes(anatomy: Anatomy) -> Floats:
+    return 0.5 * np.array([anatomy.head_depth_m, anatomy.head_breadth_m, anatomy.head_height_m])
+
+
+def _facing(normal: Floats, fingers: Floats) -> Floats:
+    """Hand -> own frame (3, 3): palm against a surface of this outward normal, fingers near so."""
+    along = fingers - float(fingers @ normal) * normal
+    along = along / norm(along)
+    return np.column_stack([along, cross(normal, along), normal])
+
+
+def _gap(anatomy: Anatomy, side: int, palm_m: Floats, turn: Floats, curls: Floats) -> float:
+    """Air [m] between a hand in the head's frame and the head, an ellipsoid; below 0 inside."""
+    bars = hand_capsules(anatomy, side, curls).placed(palm_m, turn)
+    points = np.concatenate([bars.starts_m, 0.5 * (bars.starts_m + bars.ends_m), bars.ends_m])
+    axes = _half_axes(anatomy) + np.tile(bars.radii_m, 3)[:, None]
+    scaled = points / axes
+    level = np.sqrt((scaled * scaled).sum(axis=1))
+    steep = np.sqrt(((scaled / axes) ** 2).sum(axis=1)) / level
+    return float(((level - 1.0) / steep).min())
+
+
+@dataclass(frozen=True, eq=False)
+class Laying:
+    """How a hand is to be laid on the head.
+
+    spot (3,): which way the head's surface is touched, in shares of its half axes; fingers (3,):
+    where the fingers should point, head frame; pad (3,): the point of the hand that is to lie
+    there, hand frame; air_m: least distance of that point from the head. twists_rad, tilts_rad:
+    what may be chosen: fingers turned along the surface, the wrist lifted off it; the first are
+    liked best.
+    """
+
+    spot: Floats
+    fingers: Floats
+    pad: Floats
+    curls: Floats
+    air_m: float = -0.05
+    twists_rad: tuple[float, ...] = (0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75)
+    tilts_rad: tuple[float, ...] = (0.25, 0.1, 0.45, 0.7)
+
+    def placed(
+        self, anatomy: Anatomy, side: int, twist_rad: float, tilt_rad: float
+    ) -> tuple[Floats, Floats]:
+        """Palm (3,) [m] and turn (3, 3), head frame: about to touch."""
+        axes = _half_axes(anatomy)
+        unit = self.spot / norm(self.spot)
+        normal = (unit / axes) / norm(unit / axes)
+        turn = about(normal, twist_rad) @ _facing(normal, self.fingers) @ about_y(tilt_rad)
+        base = axes * unit - turn @ self.pad
+        # Along the normal, to where the first part of the hand is about to touch.
+        low, high = -0.05, 0.15
+        for _ in range(16):
+            middle = 0.5 * (low + high)
+            free = _gap(anatomy, side, base + middle * normal, turn, self.curls) >= _FREE_M
+            low, high = (low, middle) if free else (middle, high)
+        return base + max(high, self.air_m) * normal, turn
+
+
+def laid_on_head(
+    stage: Stage, side: int, laying: Laying, like: HandState, other: HandState
+) -> HandState:
+    """A hand laid on the head, going with it, turned as its arm can best do it.
+
+    like: what is not told by the laying (air, nod, swivel); other: the other hand meanwhile.
+    """
+    anatomy = stage.scene.anatomy
+    states = (like, other) if side == 0 else (other, like)
+    torso, head = posture(anatomy, states, np.zeros(3))
+    shoulder = shoulders(anatomy, torso.position_m, torso.rotation)[side]
+    swivel = stage.number("elbow_swivel") + like.swivel_rad
+    body = person_solids(anatomy, torso.position_m, torso.rotation, head.position_m, head.rotation)
+    shape = arm_shape(anatomy, side, laying.curls)
+    best, least = like, math.inf
+    for rank, twist in enumerate(laying.twists_rad):
+        for order, tilt in enumerate(laying.tilts_rad):
+            palm, turn = laying.placed(anatomy, side, twist, tilt)
+            palm_w, turn_w = head.position_m + head.rotation @ palm, head.rotation @ turn
+            arm = solve_arm(anatomy, side, shoulder, palm_w, turn_w, swivel)
+            depth, _ = body.push(shape.points(arm), shape.point_radii_m)
+            sunk = max(float(depth[~exempt(body.names)].max()), 0.0)
+            # 1 mm short or sunk in is as bad as 1 degree that the wrist has to be turned back.
+            bent = math.acos(min(1.0, 0.5 * (float(np.trace(arm.hand.T @ turn_w)) - 1.0)))
+            cost = 60.0 * (arm.short_m + sunk) + 3.4 * bent + 0.06 * (rank + order)
+            if cost < least:
+                placed = {"position_m": palm_w, "quaternion": quaternion_of(turn_w)}
+                best, least = replace(like, curls=laying.curls, **placed), cost
+    return best
