@@ -126,7 +126,7 @@ def speed_series(frames: pd.DataFrame) -> list[Series]:
 
 
 def path_chart(truth_mm: Floats, said_mm: Floats, height: int = 340) -> Markup:
-    """3-D paths (F, T, 3) [mm] in an oblique view: truth thin, estimates thick (Fig. 4.2, 4.4).
+    """3-D paths (F, T, 3) [mm] in an oblique view: estimates in colour, truth thin (Fig. 4.2, 4.4).
 
     World axes: x towards the cameras, y to the person's left, z up. What strays farther than
     300 mm from the box of the truth is cut off.
@@ -146,7 +146,7 @@ def path_chart(truth_mm: Floats, said_mm: Floats, height: int = 340) -> Markup:
         return np.asarray(centre + (points_mm @ _VIEW.T - middle) * [scale, -scale])
 
     parts = [_box(low, high, place)]
-    for kind, paths in (("truth", truth_mm), ("said", said_mm)):
+    for kind, paths in (("said", said_mm), ("truth", truth_mm)):
         for t, target in enumerate(TARGETS):
             line = path_data(place(paths[:, t]))
             parts.append(f'<path class="line {kind} {target}" d="{line}"/>')
@@ -156,13 +156,16 @@ def path_chart(truth_mm: Floats, said_mm: Floats, height: int = 340) -> Markup:
             x, y = place(there[-1])
             parts.append(marker(target, float(x), float(y), 5.0, f"{LABELS[target]}, last frame"))
     parts.append(_legend(TARGETS))
-    return svg(parts, height, "Paths of head and hands in 3-D: truth thin, estimates thick")
+    return svg(parts, height, "Paths of head and hands in 3-D: estimates in colour, truth thin")
 
 
 def stacked_bars(parts_mm: Mapping[str, Mapping[str, float]]) -> Markup:
-    """A bar a target, stacked from parts [mm] in their order, with the number in each part."""
-    totals = {t: sum(_part(values, t) for values in parts_mm.values()) for t in TARGETS}
-    axis = _Axis(0.0, max(totals.values(), default=0.0) * 1.08 or 1.0, 96, WIDTH - _RIGHT)
+    """A bar a target, stacked from parts [mm] in their order, with the number in each part.
+
+    Negative parts are left out of the bar; a line stands where the sum of all parts is.
+    """
+    drawn = {t: sum(_part(values, t) for values in parts_mm.values()) for t in TARGETS}
+    axis = _Axis(0.0, max(drawn.values(), default=0.0) * 1.1 or 1.0, 96, WIDTH - _RIGHT)
     height = 66 + 34 * len(TARGETS)
     parts = []
     for tick in axis.ticks():
@@ -185,12 +188,15 @@ def stacked_bars(parts_mm: Mapping[str, Mapping[str, float]]) -> Markup:
             )
             if x1 - x0 > 30:
                 parts.append(
-                    f'<text class="inside inside-{n % 6}" x="{(x0 + x1) / 2:.1f}" y="{y + 16}" '
-                    f'text-anchor="middle">{size:.0f}</text>'
+                    f'<text class="inside inside-{n % 6}" x="{x0 + 6:.1f}" y="{y + 16}">'
+                    f"{size:.0f}</text>"
                 )
-    parts.append(
-        f'<text x="{(96 + WIDTH) / 2:.0f}" y="{height - 6}" text-anchor="middle">mm</text>'
-    )
+        total = axis.at(sum(values.get(target, 0.0) for values in parts_mm.values()))
+        parts.append(
+            f'<line class="sum" x1="{total:.1f}" x2="{total:.1f}" y1="{y - 4}" y2="{y + 28}"/>'
+        )
+    middle = (96 + WIDTH) / 2
+    parts.append(f'<text x="{middle:.0f}" y="{height - 6}" text-anchor="middle">mm</text>')
     return svg(parts, height, "Error budget of each target in millimetres")
 
 
@@ -344,7 +350,9 @@ def _box(low: Floats, high: Floats, place: Any) -> str:
             )
     for value in np.arange(np.ceil(low[2] / step) * step, high[2] + 1, step):
         at = place(np.array([low[0], high[1], value]))
-        parts.append(f'<text class="soft" x="{at[0] + 6:.1f}" y="{at[1] + 4:.1f}">{value + 0.0:g}</text>')
+        parts.append(
+            f'<text class="soft" x="{at[0] + 6:.1f}" y="{at[1] + 4:.1f}">{value + 0.0:g}</text>'
+        )
     upright = np.array([[low[0], high[1], low[2]], [low[0], high[1], high[2]]])
     parts.append(f'<path class="grid" d="{path_data(place(upright))}"/>')
     names = {
@@ -359,5 +367,4 @@ def _box(low: Floats, high: Floats, place: Any) -> str:
 
 
 def _part(values: Mapping[str, float], target: str) -> float:
-    value = float(values.get(target, 0.0))
-    return value if math.isfinite(value) and value > 0 else 0.0
+    return max(0.0, float(values.get(target, 0.0)))

@@ -122,8 +122,8 @@ def markdown(verdict: Verdict) -> str:
             "",
             "They show where to look; the verdict is that of all groups together.",
             "",
-            "| group | metric | base | new | episodes |",
-            "|---|---|---:|---:|---:|",
+            "| group | metric | base | new | difference | episodes |",
+            "|---|---|---:|---:|---:|---:|",
             *(_group_row(g) for g in beyond),
         ]
     if verdict.worst:
@@ -163,9 +163,10 @@ def _counts(differences: Sequence[GroupDifference]) -> dict[str, str]:
 def _sentence(difference: GroupDifference) -> str:
     metric = difference.metric
     return (
-        f"{metric.name} {difference.verdict}: {number(difference.base)} to "
-        f"{number(difference.new)}{unit_of(metric)} (margin {metric.margin:g}) over "
-        f"{difference.episodes} episodes of {_clean(difference.group)}"
+        f"{metric.name} {difference.verdict}: {number(difference.difference, '+')}"
+        f"{unit_of(metric)} an episode (margin {metric.margin:g}; {number(difference.base)} to "
+        f"{number(difference.new)}) over {difference.episodes} episodes of "
+        f"{_clean(difference.group)}"
     )
 
 
@@ -181,7 +182,8 @@ def _group_row(difference: GroupDifference) -> str:
     unit = unit_of(difference.metric)
     return (
         f"| {_code(difference.group)} | {difference.metric.name} | {number(difference.base)}{unit} "
-        f"| {number(difference.new)}{unit} | {difference.episodes} |"
+        f"| {number(difference.new)}{unit} | {number(difference.difference, '+')}{unit} | "
+        f"{difference.episodes} |"
     )
 
 
@@ -212,7 +214,7 @@ def unit_of(metric: Metric) -> str:
 
 def number(value: float, sign: str = "") -> str:
     """Three digits."""
-    return f"{value:{sign}.3g}"
+    return f"{value:{sign}.3g}" if value else "0"
 
 
 def _code(text: str) -> str:

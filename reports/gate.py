@@ -18,6 +18,7 @@ from reports.results import SavedRun
 from reports.statistics import Difference, clustered_bootstrap, holm, mcnemar, sign_flip
 
 ALPHA = 0.05
+REACH = 10.0  # margins; see Metric.reach
 BUDGET = 0.05  # share of episodes that the base may lack results of
 MOST_WORST = 10
 
@@ -30,6 +31,8 @@ class Metric:
 
     margin: the greatest difference of the means that does not matter, in `unit`. event: it happened
     or it did not. counted: judged by the count alone: what happened is no sample of anything.
+    reach: a greater difference in one episode counts as this. Such an episode was lost or swapped,
+    which is counted as that; else a few of them would hide what happens in all others.
     """
 
     name: str
@@ -38,13 +41,28 @@ class Metric:
     meaning: str
     event: bool = False
     counted: bool = False
+    reach: float = float("inf")
 
 
 METRICS = (
-    Metric("error_mm", "mm", 3.0, "median 3-D error of a target, mean over the targets"),
-    Metric("missed", "1", 0.02, "share of target-frames not within 100 mm"),
-    Metric("err_acc_px", "px", 0.5, "median distance in the picture (Eq. 4.1), mean over targets"),
-    Metric("gospa_mm", "mm", 4.0, f"mean GOSPA of a frame, cut-off {CUT_OFF_M * 1000:.0f} mm"),
+    Metric(
+        "error_mm", "mm", 3.0, "median 3-D error of a target, mean over the targets", reach=30.0
+    ),
+    Metric("missed", "1", 0.02, "share of target-frames not within 100 mm", reach=0.2),
+    Metric(
+        "err_acc_px",
+        "px",
+        0.5,
+        "median distance in the picture (Eq. 4.1), mean over targets",
+        reach=5.0,
+    ),
+    Metric(
+        "gospa_mm",
+        "mm",
+        4.0,
+        f"mean GOSPA of a frame, cut-off {CUT_OFF_M * 1000:.0f} mm",
+        reach=40.0,
+    ),
     Metric("swapped", "1", 0.02, "episodes in which the hands were swapped", event=True),
     Metric("lost", "1", 0.02, "episodes in which a target was lost", event=True),
     Metric(
@@ -57,7 +75,8 @@ METRICS = (
 class MetricVerdict:
     """The verdict of one metric.
 
-    base, new: its means; p: one-sided, adjusted after Holm (1 where nothing is estimated).
+    base, new: median of the episodes, of shares the mean; difference: of the pairs, so not the one
+    of these two; p: one-sided, adjusted after Holm (1 where nothing is estimated).
     """
 
     metric: Metric
@@ -77,7 +96,8 @@ class MetricVerdict:
 class GroupDifference:
     """How one group of scenarios differs in one metric.
 
-    verdict: the metric's, where this group is beyond the margin, else "pass".
+    base, new, difference: as in `MetricVerdict`. verdict: the metric's, where this group is beyond
+    the margin, else "pass".
     """
 
     group: str
@@ -85,12 +105,13 @@ class GroupDifference:
     verdict: Word
     base: float
     new: float
+    difference: float
     episodes: int
 
     @property
     def beyond(self) -> bool:
         """Whether this group alone is worse by more than the margin; that decides nothing."""
-        return self.new - self.base > self.metric.margin
+        return self.difference > self.metric.margin
 
 
 @dataclass(frozen=True)
@@ -162,7 +183,7 @@ def compare(
         rows = np.ones(len(known), dtype=bool) if metric.counted else known
         old, now = before[rows], after[rows]
         difference, p = _difference(metric, old, now, rng, alpha)
-        was, is_now = _mean(old, metric.name), _mean(now, metric.name)
+        was, is_now = _typical(metric, old), _typical(metric, now)
         judged.append(MetricVerdict(metric, "pass", was, is_now, difference, p))
         p_values += [] if metric.counted else [p]
     adjusted = iter(holm(p_values))
@@ -184,8 +205,18 @@ def compare(
     )
 
 
-def _mean(values: pd.DataFrame, name: str) -> float:
-    return float(values[name].to_numpy(dtype=np.float64).mean())
+def _typical(metric: Metric, values: pd.DataFrame) -> float:
+    """Median of the episodes; of shares, whose median says little, the mean."""
+    column = values[metric.name].to_numpy(dtype=np.float64)
+    return float(column.mean() if metric.unit == "1" else np.median(column))
+
+
+def _changes(metric: Metric, before: pd.DataFrame, after: pd.DataFrame) -> Floats:
+    """Per episode, new - base, within reach."""
+    old, now = (v[metric.name].to_numpy(dtype=np.float64) for v in (before, after))
+    # A failure that is cured does not make up for one that is new.
+    least = 0.0 if metric.counted else -metric.reach
+    return np.asarray(np.clip(now - old, least, metric.reach))
 
 
 def _check_yardstick(base: SavedRun, known: np.ndarray) -> None:
@@ -209,7 +240,11 @@ def with_margins(margins: Mapping[str, float]) -> tuple[Metric, ...]:
             raise BenchError(f"no metric {name!r}; known: {', '.join(known)}")
         if not (np.isfinite(margin) and margin >= 0):
             raise BenchError(f"margin of {name} must be a number of 0 or more, got {margin}")
-    return tuple(replace(m, margin=float(margins.get(m.name, m.margin))) for m in METRICS)
+    found = []
+    for metric in METRICS:
+        margin = float(margins.get(metric.name, metric.margin))
+        found.append(replace(metric, margin=margin, reach=max(metric.reach, REACH * margin)))
+    return tuple(found)
 
 
 def worst_of(words: Sequence[Word]) -> Word:
@@ -228,12 +263,10 @@ def _difference(
     alpha: float,
 ) -> tuple[Difference, float]:
     """The paired difference, and the p-value of "no worse"."""
-    old = before[metric.name].to_numpy(dtype=np.float64)
-    changes: Floats = after[metric.name].to_numpy(dtype=np.float64) - old
+    changes = _changes(metric, before, after)
     draws = before["draw"].tolist()
     if metric.counted:
-        # One that is cured does not make up for one that breaks.
-        mean = float(np.maximum(changes, 0.0).mean())
+        mean = float(changes.mean())
         return Difference(mean, mean, mean, len(changes), len(set(draws))), 1.0
     difference = clustered_bootstrap(
         changes, draws, before["group"].tolist(), rng, level=1.0 - alpha
@@ -261,9 +294,16 @@ def _groups(
             rows = (groups == group) & (known | one.metric.counted)
             if not rows.any():
                 continue
-            name = one.metric.name
-            old, now = _mean(before[rows], name), _mean(after[rows], name)
-            found = GroupDifference(group, one.metric, "pass", old, now, int(rows.sum()))
+            old, now = before[rows], after[rows]
+            found = GroupDifference(
+                group=group,
+                metric=one.metric,
+                verdict="pass",
+                base=_typical(one.metric, old),
+                new=_typical(one.metric, now),
+                difference=float(_changes(one.metric, old, now).mean()),
+                episodes=int(rows.sum()),
+            )
             out.append(replace(found, verdict=one.verdict if found.beyond else "pass"))
     return tuple(out)
 

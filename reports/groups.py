@@ -149,7 +149,7 @@ def _counts(
 
 
 def _values(frames: pd.DataFrame, column: str) -> Floats:
-    return frames[column].to_numpy(dtype=np.float64)
+    return np.asarray(frames[column], dtype=np.float64)
 
 
 def _share(part: int, whole: int) -> float:

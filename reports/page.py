@@ -20,6 +20,7 @@ from markupsafe import Markup
 
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
+from reports.budget import Budget, budget_of
 from reports.figures import speed_chart, stacked_bars
 from reports.groups import GroupRow, group_rows, scenario_rows, whole_row
 from reports.player import (
@@ -48,7 +49,7 @@ from reports.tables import (
     verdict,
 )
 from reports.thesis_figures import ThesisFigure, thesis_figures
-from reports.worst import MAX_WORST, badness, worst_first
+from reports.worst import MAX_WORST, badness, went_wrong, worst_first
 
 MAX_PICTURES = 8
 MAX_EVENTS = 200
@@ -75,8 +76,8 @@ def shot(caption: str, jpeg: bytes) -> Shot:
 class Entry:
     """One episode with a result: what the player shows, and a row of its scenario's table.
 
-    key: of its data in the page; worst: the frame with the largest error; film: how much of it is
-    in the page, in words.
+    key: of its data in the page; wrong: it belongs among the failures; worst: the frame with the
+    largest error.
     """
 
     key: str
@@ -86,6 +87,7 @@ class Entry:
     flags: str
     within_100: float
     mean_mm: float
+    wrong: bool
     worst: int
     redraws: int
     data: str
@@ -134,7 +136,7 @@ class Report:
     """A run with what the page says of it.
 
     groups, scenarios: its rows of the main tables, total: all together; blame: lines such as
-    "swaps: 8 association, 1 detections"; budget: parts of the error and their chart, or None.
+    "swaps: 8 association, 1 detections"; budget: where the error comes from, None where unknown.
     """
 
     run: SavedRun
@@ -143,7 +145,8 @@ class Report:
     scenarios: tuple[GroupRow, ...]
     total: GroupRow
     blame: tuple[str, ...]
-    budget: tuple[tuple[str, ...], Markup] | None
+    budget: Budget | None
+    budget_chart: Markup | None
 
 
 def build_page(runs: Sequence[SavedRun], title: str = "") -> str:
@@ -170,8 +173,12 @@ def build_page(runs: Sequence[SavedRun], title: str = "") -> str:
             scripts=[asset(name) for name in ("report.js", "player.js", "lightbox.js")],
             title=title,
             reports=reports,
+            groups=list(dict.fromkeys(row.name for report in reports for row in report.groups)),
             verdicts=[(report.run.name, verdict(report.summary)) for report in reports],
-            worst=_worst(runs, entries),
+            worst=sorted(
+                (entry for entry in entries if entry.wrong),
+                key=lambda e: (e.within_100, -e.mean_mm),
+            )[:MAX_WORST],
             sections=_sections(runs, reports, entries, names),
             entries=entries,
             left_out=_left_out(runs, by_key),
@@ -217,13 +224,11 @@ def write_text(path: Path, text: str) -> Path:
 def asset(name: str) -> Markup:
     """A file of ours that goes into the page as it is."""
     text = (resources.files("reports") / "templates" / name).read_text(encoding="utf-8")
-    return Markup(text)  # noqa: S704 - ours
+    return Markup(text)
 
 
 def blame_lines(events: pd.DataFrame) -> tuple[str, ...]:
-    """What is to blame, a line a kind of event; empty where nobody asked."""
-    if "blame" not in events:
-        return ()
+    """What is to blame, a line a kind of event; empty where none is known."""
     lines = []
     for kind, words in BLAME_WORDS.items():
         stages = events.loc[(events["kind"] == kind) & (events["blame"] != ""), "blame"]
@@ -264,6 +269,7 @@ def _told_apart(runs: Sequence[SavedRun]) -> list[SavedRun]:
 
 
 def _report(run: SavedRun) -> Report:
+    budget = budget_of(run)
     return Report(
         run=run,
         summary=summarise(run),
@@ -271,25 +277,9 @@ def _report(run: SavedRun) -> Report:
         scenarios=scenario_rows(run),
         total=whole_row(run),
         blame=blame_lines(run.events),
-        budget=_budget(run),
+        budget=budget,
+        budget_chart=stacked_bars(budget.shares_mm) if budget is not None else None,
     )
-
-
-def _budget(run: SavedRun) -> tuple[tuple[str, ...], Markup] | None:
-    """Parts of the error, in order, and their chart: run.json's level -> target -> mm."""
-    budget = run.meta.get("budget")
-    if not budget:
-        return None
-    try:
-        parts = {
-            str(level): {target: float(values[target]) for target in TARGETS if target in values}
-            for level, values in budget.items()
-        }
-    except (AttributeError, TypeError, ValueError) as error:
-        raise BenchError(
-            f"{run.folder / 'run.json'}: is damaged: 'budget' must map levels to mm per target."
-        ) from error
-    return tuple(parts), stacked_bars(parts)
 
 
 def _entries(
@@ -306,19 +296,21 @@ def _entries(
         moving = films(run, [*worst, *(key for key in mine if key not in worst)], budget)
         for (scenario, seed), take in mine.items():
             n = place[scenario]
-            wrong, mean_mm = badness(rows[scenario, seed])
+            film = moving.get((scenario, seed))
+            outside, mean_mm = badness(rows[scenario, seed])
             found[n, r, seed] = Entry(
                 key=f"{r}-{n}-{seed}",
                 run=run.name if len(runs) > 1 else "",
                 scenario=scenario,
                 seed=seed,
                 flags=_flags(take.events),
-                within_100=1.0 - wrong,
+                within_100=1.0 - outside,
                 mean_mm=mean_mm,
-                worst=worst_frame(take),
+                wrong=went_wrong(rows[scenario, seed]),
+                worst=worst_frame(take, film.pictures if film is not None else ()),
                 redraws=int(rows[scenario, seed][0]["redrawn"]),
                 data=pack(take),
-                film=moving.get((scenario, seed)),
+                film=film,
                 shots=shots.get((r, scenario, seed), ()),
             )
     return tuple(found[place_] for place_ in sorted(found))
@@ -330,18 +322,6 @@ def _rows_of(run: SavedRun) -> dict[Key, list[Mapping[Any, Any]]]:
     for row in run.episodes.to_dict("records"):
         found.setdefault((row["scenario"], int(row["seed"])), []).append(row)
     return found
-
-
-def _worst(runs: Sequence[SavedRun], entries: Sequence[Entry]) -> tuple[Entry, ...]:
-    """The gallery of failures: the worst of all runs."""
-    wrong = {(run.name if len(runs) > 1 else "", *key) for run in runs for key in _wrong_in(run)}
-    mine = [e for e in entries if (e.run, e.scenario, e.seed) in wrong]
-    mine.sort(key=lambda e: (e.within_100, -e.mean_mm))
-    return tuple(mine[:MAX_WORST])
-
-
-def _wrong_in(run: SavedRun) -> list[Key]:
-    return worst_first(_rows_of(run))
 
 
 def _sections(
@@ -414,11 +394,12 @@ def _choose_shots(runs: Sequence[SavedRun]) -> dict[tuple[int, str, int], tuple[
     for place, (key, pictures) in enumerate(found.items()):
         # An even share of what is left: small pictures leave more to the next.
         mine = left // (len(found) - place)
-        sample = _smaller(runs[key[0]], _spread(pictures, 1)[0])
+        middle = _spread(pictures, 1)[0]
+        sample = _smaller(runs[key[0]], middle)
         most = min(MAX_PICTURES, mine // max(len(sample), 1))
         shots = []
         for picture in _spread(pictures, most):
-            webp = _smaller(runs[key[0]], picture)
+            webp = sample if picture is middle else _smaller(runs[key[0]], picture)
             if len(webp) > left:
                 break
             left -= len(webp)
@@ -475,7 +456,7 @@ def _event_line(prefix: str, run: str, event: Mapping[Any, Any]) -> EventLine:
         start=f"{event['start_s']:.1f} s",
         duration=f"{event['duration_s']:.1f} s",
         ended="yes" if event["ended"] else "no",
-        blame=_blamed(str(event.get("blame", ""))),
+        blame=_blamed(event["blame"]),
     )
 
 

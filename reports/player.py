@@ -9,7 +9,7 @@ from __future__ import annotations
 import base64
 import gzip
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -45,7 +45,7 @@ class Take:
 
     def column(self, name: str) -> np.ndarray:
         """A column of `frames` as (F, T)."""
-        return self.frames[name].to_numpy().reshape(-1, len(TARGETS))
+        return np.asarray(self.frames[name]).reshape(-1, len(TARGETS))
 
     def points_mm(self, kind: str) -> Floats:
         """Positions of "truth" or "estimate", (F, T, 3) [mm]."""
@@ -140,12 +140,18 @@ def event_words(event: Mapping[Any, Any]) -> str:
     }[event["kind"]]
 
 
-def worst_frame(take: Take) -> int:
-    """The frame with the largest error, all targets together; errors over 300 mm are all as bad."""
+def worst_frame(take: Take, pictured: Collection[int] = ()) -> int:
+    """The frame with the largest error, all targets together; errors over 300 mm are all as bad.
+
+    One of those that have a picture, where it is nearly as bad.
+    """
     errors = take.column("error_mm").astype(np.float64)
     cost = np.minimum(np.nan_to_num(errors, nan=300.0), 300.0).sum(axis=1)
     # Before the first estimate there is nothing to see.
     cost[~np.isfinite(errors).any(axis=1)] = -1.0
+    shown = np.where(np.isin(take.index, list(pictured)), cost, -1.0)
+    if shown.max() >= 0.8 * cost.max():
+        cost = shown
     return int(take.index[int(cost.argmax())])
 
 

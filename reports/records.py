@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
 from pjpdaf.interfaces import Detections, Estimates
 from pjpdaf.targets import TARGETS
@@ -12,6 +13,8 @@ from sim.truth import Truth
 
 VIEWS = ("left", "right")
 STAGES = ("render", "detect", "track")
+# Levels of the error budget, each with one more cause of error than the one before.
+BUDGET_LEVELS = ("grid", "surface", "detector", "filter", "association")
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +53,8 @@ class Episode:
     cameras: left, right, as the cameras really are; frames in order, at least one;
     digest: of the concrete scenario; values: its drawn parameters; redrawn: how many draws of this
     seed were thrown away because they could not be posed; film: some frames, or all of them.
+    blame: (kind, target, first) of an event -> the stage at fault for it. budget_m: level of
+    `BUDGET_LEVELS` -> error (F, T) [m], NaN where a level has none.
     Raises ValueError where views, targets or frames do not fit together.
     """
 
@@ -64,6 +69,8 @@ class Episode:
     pictures: tuple[Picture, ...] = ()
     redrawn: int = 0
     film: tuple[Still, ...] = ()
+    blame: Mapping[tuple[str, int, int], str] = field(default_factory=dict)
+    budget_m: Mapping[str, Floats] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         name = f"Episode {self.scenario!r} seed {self.seed}"

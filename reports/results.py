@@ -277,8 +277,7 @@ def _write_pictures(part: Path, rows: Sequence[EpisodeRows]) -> list[dict[str, A
 
 def _write_films(part: Path, rows: Sequence[EpisodeRows]) -> list[dict[str, Any]]:
     """A ZIP of WebP frames an episode: of every scenario's first seed and of the worst ones."""
-    first = {row.scenario: row.seed for row in reversed(rows)}
-    kept = {*first.items(), *worst_first({(r.scenario, r.seed): r.episodes for r in rows})}
+    kept = films_to_keep(rows)
     index = []
     for number, row in enumerate(rows):
         if not row.film or (row.scenario, row.seed) not in kept:
@@ -299,6 +298,18 @@ def _write_films(part: Path, rows: Sequence[EpisodeRows]) -> list[dict[str, Any]
             }
         )
     return index
+
+
+def films_to_keep(rows: Iterable[EpisodeRows]) -> set[tuple[str, int]]:
+    """(scenario, seed) of the episodes whose films are kept: every first seed and the worst.
+
+    An episode that is not among them is not either when there are more rows.
+    """
+    episodes = {(row.scenario, row.seed): row.episodes for row in rows}
+    first: dict[str, int] = {}
+    for scenario, seed in episodes:
+        first[scenario] = min(seed, first.get(scenario, seed))
+    return {*first.items(), *worst_first(episodes)}
 
 
 def read_film(run: SavedRun, file: str) -> dict[int, bytes]:

@@ -15,7 +15,7 @@ from pjpdaf.targets import TARGETS
 from reports.events import count_events, find_events
 from reports.gospa import gospa
 from reports.mot import ClearCounts, HotaCounts, IdentityCounts, clear_mot, hota, identity
-from reports.records import STAGES, VIEWS, Episode, EpisodeFailure, Picture, Still
+from reports.records import BUDGET_LEVELS, STAGES, VIEWS, Episode, EpisodeFailure, Picture, Still
 from reports.score import BANDS_M, EpisodeScore, quantile, score
 
 Row = dict[str, object]
@@ -84,6 +84,8 @@ EPISODES = pa.schema(
         ("lost_frames", _INT),
         ("recoveries", _INT),
         ("sum_recovery_s", _FLOAT),
+        ("budget_frames", _INT),
+        *[(f"sum_budget_{level}_mm", _FLOAT) for level in BUDGET_LEVELS],
         ("values_json", _TEXT),
     ]
 )
@@ -112,6 +114,7 @@ EVENTS = pa.schema(
         ("start_s", _FLOAT),
         ("duration_s", _FLOAT),
         ("ended", _BOOL),
+        ("blame", _TEXT),
     ]
 )
 
@@ -336,10 +339,22 @@ def _episode_rows(episode: Episode, result: EpisodeScore) -> tuple[Row, ...]:
             "lost_frames": counts.lost_frames,
             "recoveries": counts.recoveries,
             "sum_recovery_s": float(counts.recovery_s),
+            **_budget(episode, t),
             "values_json": _json_line(episode.values),
         }
         rows.append(row)
     return tuple(rows)
+
+
+def _budget(episode: Episode, t: int) -> Row:
+    """Errors of a target summed over the frames in which every level of the budget has one."""
+    row: Row = {"budget_frames": 0}
+    for level in BUDGET_LEVELS:
+        errors = episode.budget_m.get(level)
+        mine = np.zeros(0) if errors is None else errors[np.isfinite(errors[:, t]), t]
+        row["budget_frames"] = len(mine)
+        row[f"sum_budget_{level}_mm"] = math.fsum((1e3 * mine).tolist())
+    return row
 
 
 def _sums(result: EpisodeScore, t: int, chosen: np.ndarray, prefix: str) -> Row:
@@ -396,6 +411,7 @@ def _event_rows(episode: Episode) -> tuple[Row, ...]:
             "start_s": event.start_s,
             "duration_s": event.duration_s,
             "ended": event.ended,
+            "blame": episode.blame.get((event.kind, event.target, event.first), ""),
         }
         for event in find_events(episode)
     )

@@ -74,6 +74,14 @@ def run(
     out: Annotated[
         Path | None, typer.Option(help="Folder of the saved run [runs/NAME-DATE-TIME].")
     ] = None,
+    films: Annotated[
+        bool,
+        typer.Option(
+            "--films",
+            help="Keep small films of every scenario's first seed and of the worst episodes; the "
+            "page plays them.",
+        ),
+    ] = False,
 ) -> None:
     """Play scenarios, score them, print the table, save the run and its report.
 
@@ -92,19 +100,22 @@ def run(
             jobs=jobs,
             out=out,
             argv=tuple(sys.argv[1:]),
+            films=films,
         )
     )
 
 
 @app.command()
 def report(
-    run_folder: Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a saved run.")],
-    out: Annotated[Path | None, typer.Option(help="Where the page goes [RUN/report.html].")] = None,
+    runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Folders of saved runs.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Where the page goes [RUN/report.html, of one run].")
+    ] = None,
 ) -> None:
-    """Make the report page of a saved run again."""
+    """Make the report page of a saved run again, or one page of several side by side."""
     from scenarios.run import remake_report
 
-    typer.echo(f"report: {remake_report(run_folder, out)}")
+    typer.echo(f"report: {remake_report(runs, out)}")
 
 
 @app.command()

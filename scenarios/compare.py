@@ -24,6 +24,7 @@ from reports.formats import (
     word,
 )
 from reports.gate import MetricVerdict, Verdict, compare
+from reports.provenance import provenance
 from reports.results import SavedRun, load
 from reports.rows import EpisodeRows
 from scenarios.margins import load_margins, read_margins
@@ -104,7 +105,8 @@ def _escalated(
             return lambda row: progress.update(task, advance=1)
 
         try:
-            return escalate(base, new, margins, workers, folder, on_round), ""
+            here = provenance()
+            return escalate(base, new, margins, workers, folder, on_round, here), ""
         except CannotEscalate as fault:
             return first, str(fault)
 

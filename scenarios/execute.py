@@ -11,13 +11,14 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import TimeoutError as FutureTimeout
 from concurrent.futures import wait
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
 from pjpdaf.errors import BenchError, InfrastructureError
 from reports.records import EpisodeFailure
+from reports.results import films_to_keep
 from reports.rows import EpisodeRows, rows_of
 from scenarios.play import Job, digest_of, play
 from sim.contact import Unposable
@@ -140,6 +141,8 @@ def play_all(
                         submit(index)
                         continue
                     results[index] = outcome
+                    if outcome.film:
+                        _drop_films(results)
                     on_done(outcome)
         except KeyboardInterrupt:
             interrupted = True
@@ -165,6 +168,14 @@ def _outcome(
     if isinstance(result, BenchError):
         raise result
     return result
+
+
+def _drop_films(results: dict[int, EpisodeRows]) -> None:
+    """Forget films that will not be saved: all of them together would not fit into memory."""
+    kept = films_to_keep(list(results.values()))
+    for index, row in results.items():
+        if row.film and (row.scenario, row.seed) not in kept:
+            results[index] = replace(row, film=())
 
 
 def _failure(job: Job, reason: str) -> EpisodeRows:

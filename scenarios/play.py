@@ -5,19 +5,23 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Protocol
 
 from pjpdaf.camera import StereoRig
+from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detector, Estimates, Tracker
 from pjpdaf.registry import make_detector, make_tracker
 from reports.overlay import overlay_jpeg
 from reports.records import Episode, FrameOutcome, Picture, Still
 from reports.stills import still
+from scenarios.blame import blame
+from scenarios.budget import error_budget
 from scenarios.concrete import concrete, perform
 from scenarios.parameters import File
 from scenarios.spec import Scenario, contents, digest
+from sim.script import Performance
 from sim.sequence import Simulation
 from sim.stage import Value
 from sim.truth import Truth
@@ -90,62 +94,92 @@ def play(job: Job) -> Episode:
 
     Raises what scenario, plug-in or renderer raise; the caller turns that into a failed episode.
     """
-    performance = perform(job.scenario, job.seed, job.overrides)
+    with Simulation(perform(job.scenario, job.seed, job.overrides)) as simulation:
+        return play_footage(job, simulation)
+
+
+class Footage(Protocol):
+    """What a job plays: a live simulation, or the same kept.
+
+    rig: the cameras that filmed; calibration: what the tracker is given.
+    """
+
+    performance: Performance
+    rig: StereoRig
+    calibration: StereoRig
+
+    def background(self) -> list[StereoFrame]:
+        """Person-free frames, for learning."""
+        ...
+
+    def frames(self) -> Iterator[tuple[StereoFrame, Truth]]:
+        """All frames in order."""
+        ...
+
+
+def play_footage(job: Job, footage: Footage) -> Episode:
+    """Detect, track and collect what is scored. Raises what a plug-in raises."""
+    performance = footage.performance
     gallery = _Gallery(performance.frames) if job.keep_pictures else None
     outcomes = []
     pictures: list[Picture] = []
     film: list[Still] = []
-    with Simulation(performance) as simulation:
-        detector, tracker = parts_of(job.system, simulation.calibration)
-        detector = detector.learn(simulation.background())
-        state: Any = None
-        previous_s: float | None = None
-        frames = simulation.frames()
-        while True:
-            started = time.perf_counter()
-            pair = next(frames, None)
-            if pair is None:
-                break
-            frame, truth = pair
-            rendered = time.perf_counter()
-            dt_s = 0.0 if previous_s is None else frame.time_s - previous_s
-            expected = tracker.predict(state, dt_s) if state is not None else None
-            predicted = time.perf_counter()
-            seen = detector(frame, expected)
-            detected = time.perf_counter()
-            if state is None:
-                state = tracker.start(seen)
-                estimates = Estimates.waiting() if state is None else tracker.estimates(state)
-            else:
-                state, estimates = tracker.step(state, seen, dt_s)
-            tracked = time.perf_counter()
-            previous_s = frame.time_s
-            stages_s = {
-                "render": rendered - started,
-                "detect": detected - predicted,
-                "track": tracked - detected + predicted - rendered,
-            }
-            slim = tuple(replace(d, mask=None) for d in seen)
-            outcomes.append(FrameOutcome(truth, estimates, slim, stages_s))
-            wanted = gallery is not None and gallery.wants(truth)
-            if wanted:
-                picture = overlay_jpeg(frame, simulation.rig.cameras, seen, estimates, truth)
-                pictures.append(Picture(frame.index, picture))
-            if wanted or job.keep_film:
-                film.append(Still(frame.index, still(frame, simulation.rig.cameras)))
-        return Episode(
-            scenario=job.name,
-            group=job.scenario.group,
-            seed=job.seed,
-            fps=performance.fps,
-            cameras=simulation.rig.cameras,
-            frames=tuple(outcomes),
-            digest=digest_of(job),
-            values=concrete(job.scenario, job.seed, job.overrides, performance.redrawn),
-            redrawn=performance.redrawn,
-            pictures=tuple(pictures),
-            film=tuple(film),
-        )
+    detector, tracker = parts_of(job.system, footage.calibration)
+    detector = detector.learn(footage.background())
+    state: Any = None
+    previous_s: float | None = None
+    frames = footage.frames()
+    while True:
+        started = time.perf_counter()
+        pair = next(frames, None)
+        if pair is None:
+            break
+        frame, truth = pair
+        rendered = time.perf_counter()
+        dt_s = 0.0 if previous_s is None else frame.time_s - previous_s
+        expected = tracker.predict(state, dt_s) if state is not None else None
+        predicted = time.perf_counter()
+        seen = detector(frame, expected)
+        detected = time.perf_counter()
+        if state is None:
+            state = tracker.start(seen)
+            estimates = Estimates.waiting() if state is None else tracker.estimates(state)
+        else:
+            state, estimates = tracker.step(state, seen, dt_s)
+        tracked = time.perf_counter()
+        previous_s = frame.time_s
+        stages_s = {
+            "render": rendered - started,
+            "detect": detected - predicted,
+            "track": tracked - detected + predicted - rendered,
+        }
+        slim = tuple(replace(d, mask=None) for d in seen)
+        outcomes.append(FrameOutcome(truth, estimates, slim, stages_s))
+        wanted = gallery is not None and gallery.wants(truth)
+        if wanted:
+            picture = overlay_jpeg(frame, footage.rig.cameras, seen, estimates, truth)
+            pictures.append(Picture(frame.index, picture))
+        if wanted or job.keep_film:
+            film.append(Still(frame.index, still(frame, footage.rig.cameras)))
+    episode = Episode(
+        scenario=job.name,
+        group=job.scenario.group,
+        seed=job.seed,
+        fps=performance.fps,
+        cameras=footage.rig.cameras,
+        frames=tuple(outcomes),
+        digest=digest_of(job),
+        values=concrete(job.scenario, job.seed, job.overrides, performance.redrawn),
+        redrawn=performance.redrawn,
+        pictures=tuple(pictures),
+        film=tuple(film),
+    )
+    given = footage.calibration.cameras
+    return replace(
+        episode,
+        blame=blame(episode, given, tracker),
+        budget_m=error_budget(episode, given, tracker),
+    )
 
 
 class _Gallery:

@@ -14,7 +14,6 @@ from typing import Any
 from pjpdaf.errors import BenchError
 from reports.gate import Verdict, compare, words_of_system
 from reports.pairing import joined, measured
-from reports.provenance import provenance
 from reports.results import SavedRun, tables_of
 from reports.rows import EpisodeRows
 from scenarios.execute import Played, play_all
@@ -43,13 +42,14 @@ def escalate(
     workers: int,
     folder: Path,
     on_round: OnRound,
+    here: Mapping[str, Any],
 ) -> Verdict:
     """Play the reserve, round by round, until the verdict is clear or the last one is played.
 
-    The played rounds are saved below `folder`. Raises CannotEscalate where one of the runs was not
-    made by this very code, KeyboardInterrupt.
+    The played rounds are saved below `folder`. here: the provenance of this code. Raises
+    CannotEscalate where one of the runs was not made by this very code, KeyboardInterrupt.
     """
-    reason = refusal(base, new, provenance())
+    reason = refusal(base, new, here)
     if reason:
         raise CannotEscalate(by_hand(new, reason))
     plans = planned(base), planned(new)

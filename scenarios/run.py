@@ -49,6 +49,7 @@ class RunRequest:
     jobs: int | None
     out: Path | None
     argv: tuple[str, ...]
+    films: bool = False
 
 
 @dataclass(frozen=True)
@@ -173,7 +174,7 @@ def plan(request: RunRequest) -> list[Job]:
         overrides = {**part.overrides, **asked}
         seeds = request.seeds if request.seeds is not None else part.seeds
         jobs += [
-            Job(part.scenario, seed, overrides, system, seed == 0, part.label)
+            Job(part.scenario, seed, overrides, system, seed == 0, part.label, request.films)
             for seed in range(seeds)
         ]
     for job in {job.name: job for job in jobs}.values():
@@ -297,7 +298,9 @@ def _play_with_progress(jobs: Sequence[Job], workers: int, console: Console) -> 
         return play_all(jobs, workers, on_done)
 
 
-def remake_report(run_folder: Path, out: Path | None) -> Path:
-    """The page of a saved run again. Raises BenchError."""
-    saved = load(run_folder)
-    return write_page([saved], out or run_folder / "report.html")
+def remake_report(run_folders: Sequence[Path], out: Path | None) -> Path:
+    """The page of saved runs again, several side by side. Raises BenchError."""
+    if out is None and len(run_folders) > 1:
+        raise BenchError("a page of several runs is in none of them: give --out FILE.html")
+    saved = [load(folder) for folder in run_folders]
+    return write_page(saved, out or run_folders[0] / "report.html")

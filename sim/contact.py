@@ -18,8 +18,8 @@ from pjpdaf.arrays import Floats, readonly
 from pjpdaf.errors import BenchError
 from sim.anatomy import Anatomy
 from sim.body import ELBOW_M, WRIST_M
-from sim.hand import Finger, fingers, joint_angles
-from sim.kinematics import OUTWARD, Arm, about_y
+from sim.hand import fingers, joint_angles
+from sim.kinematics import OUTWARD, Arm
 from sim.pose import SIDES
 from sim.solids import Obstacles, Slab
 
@@ -83,43 +83,78 @@ class Capsules:
         return float((np.minimum(self.starts_m[:, 2], self.ends_m[:, 2]) - self.radii_m).min())
 
 
+@dataclass(frozen=True, eq=False)
+class _Digits:
+    """A right hand's thumb and fingers, 5 of 3 segments, ready to be bent.
+
+    bases_m (5, 3): first joints; ahead, up (5, 3): x and z of the straight fingers; lengths_m,
+    radii_m (5, 3); straight_rad, more_rad (5, 3): how far a segment is turned about y from the
+    finger's frame at curl 0, and how much further at 1.
+    """
+
+    bases_m: Floats
+    ahead: Floats
+    up: Floats
+    lengths_m: Floats
+    radii_m: Floats
+    straight_rad: Floats
+    more_rad: Floats
+
+    def joints(self, curls: Floats) -> Floats:
+        """First joint, two more, tip of each finger (5, 4, 3) [m] for curls (5,)."""
+        turned = (self.straight_rad + curls[:, None] * self.more_rad)[..., None]
+        along = np.cos(turned) * self.ahead[:, None] - np.sin(turned) * self.up[:, None]
+        bones = np.concatenate([self.bases_m[:, None], self.lengths_m[..., None] * along], axis=1)
+        return np.cumsum(bones, axis=1)
+
+
 @lru_cache(maxsize=64)
-def _fingers(anatomy: Anatomy) -> tuple[Finger, ...]:
-    return fingers(anatomy)
+def _digits(anatomy: Anatomy) -> _Digits:
+    drawn = fingers(anatomy)
+    radii = np.array([finger.radii_m for finger in drawn])
+    straight = np.array([joint_angles(finger, 0.0) for finger in drawn])
+    fist = np.array([joint_angles(finger, 1.0) for finger in drawn])
+    return _Digits(
+        bases_m=np.array([finger.base_m for finger in drawn]),
+        ahead=np.array([finger.rotation[:, 0] for finger in drawn]),
+        up=np.array([finger.rotation[:, 2] for finger in drawn]),
+        lengths_m=np.array([finger.lengths_m for finger in drawn]),
+        radii_m=0.5 * (radii[:, :-1] + radii[:, 1:]),
+        straight_rad=np.cumsum(straight, axis=1),
+        more_rad=np.cumsum(fist - straight, axis=1),
+    )
 
 
 @lru_cache(maxsize=256)
 def _hand_capsules(anatomy: Anatomy, side: int, curls: tuple[float, ...]) -> Capsules:
-    starts, ends, radii = [], [], []
     broad = anatomy.hand_breadth_m / _AVERAGE_BREADTH_M
     long = anatomy.wrist_to_palm_m / _AVERAGE_PALM_M
-    for across, near, far in _PALM_BARS:
-        starts.append(np.array([near * long, across * broad, -0.001]))
-        ends.append(np.array([far * long, across * broad, -0.001]))
-        radii.append(_PALM_RADIUS * broad)
-    for finger, curl in zip(_fingers(anatomy), curls, strict=True):
-        joint, turn = finger.base_m, finger.rotation
-        angles = joint_angles(finger, curl).tolist()
-        for angle, length, r0, r1 in zip(
-            angles, finger.lengths_m, finger.radii_m[:-1], finger.radii_m[1:], strict=True
-        ):
-            turn = turn @ about_y(angle)  # flexion: `Finger.axis` is y of the finger's frame
-            tip = joint + length * turn[:, 0]
-            starts.append(joint)
-            ends.append(tip)
-            radii.append(0.5 * (r0 + r1))
-            joint = tip
+    across, near, far = np.array(_PALM_BARS).T
+    lies = np.full(len(across), -0.001)
+    digits = _digits(anatomy)
+    joints = digits.joints(np.array(curls))
     mirror = np.array([1.0, -OUTWARD[side], 1.0])  # drawn for the right hand, thumb at +y
+    starts, ends = (
+        mirror
+        * np.concatenate(
+            [np.column_stack([reach * long, across * broad, lies]), chain.reshape(-1, 3)]
+        )
+        for reach, chain in ((near, joints[:, :-1]), (far, joints[:, 1:]))
+    )
     return Capsules(
-        readonly(np.array(starts) * mirror, (None, 3), "starts"),
-        readonly(np.array(ends) * mirror, (None, 3), "ends"),
-        readonly(radii, (None,), "radii"),
+        readonly(starts, (None, 3), "starts"),
+        readonly(ends, (None, 3), "ends"),
+        readonly(
+            np.concatenate([np.full(len(across), _PALM_RADIUS * broad), digits.radii_m.ravel()]),
+            (None,),
+            "radii",
+        ),
     )
 
 
 def hand_capsules(anatomy: Anatomy, side: int, curls: Floats) -> Capsules:
     """Palm (4 bars), thumb and fingers (3 each) in the hand's frame for curls (5,)."""
-    return _hand_capsules(anatomy, side, tuple(round(c, 3) for c in curls.tolist()))
+    return _hand_capsules(anatomy, side, tuple(curls.tolist()))
 
 
 def height_above_table(anatomy: Anatomy, side: int, rotation: Floats, curls: Floats) -> float:
@@ -235,7 +270,7 @@ def _arm_shape(anatomy: Anatomy, side: int, curls: tuple[float, ...]) -> Shape:
 
 def arm_shape(anatomy: Anatomy, side: int, curls: Floats) -> Shape:
     """The shape of an arm whose fingers are curled so (5,)."""
-    return _arm_shape(anatomy, side, tuple(round(c, 3) for c in curls.tolist()))
+    return _arm_shape(anatomy, side, tuple(curls.tolist()))
 
 
 @lru_cache(maxsize=8)

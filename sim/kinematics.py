@@ -101,12 +101,12 @@ def hand_rotation(side: int, inward_rad: float, down_rad: float, thumb_up_rad: f
 def bone_frame(start_m: Floats, end_m: Floats) -> Floats:
     """Rotation (3, 3) with +x from start to end and z as far up as x lets it."""
     x = (end_m - start_m) / norm(end_m - start_m)
-    z = np.array([0.0, 0.0, 1.0]) - x[2] * x
-    if norm(z) < 1e-6:
-        z = np.array([-math.copysign(1.0, float(x[2])), 0.0, 0.0])
-        z = z - (z @ x) * x
-    z = z / norm(z)
-    return np.column_stack([x, cross(z, x), z])
+    # Level, so that z is as far up as can be; exact for bones that are nearly upright.
+    flat = math.hypot(x[0], x[1])
+    y = np.array([-x[1], x[0], 0.0]) / flat if flat >= 1e-6 else np.array([0.0, 1.0, 0.0])
+    y = y - (y @ x) * x
+    y = y / norm(y)
+    return np.column_stack([x, y, cross(x, y)])
 
 
 def reach_limits(upper_m: float, forearm_m: float) -> tuple[float, float]:
@@ -251,11 +251,11 @@ def solve_arm(
         elbow = circle.elbow(swivel)
         fore = (wrist - elbow) / b
         bend = math.acos(min(1.0, max(-1.0, float(fore @ hand[:, 0]))))
-        if bend <= MAX_WRIST_BEND_RAD + 1e-6:
+        # A round leaves at most a fifth of the excess, or overshoots a little: the forearm follows.
+        if bend <= MAX_WRIST_BEND_RAD + 1e-4:
             break
         axis = cross(hand[:, 0], fore)
-        # 0.2 degrees more than needed, as the forearm follows the wrist a little.
-        hand = about(axis / norm(axis), bend - MAX_WRIST_BEND_RAD + 0.0035) @ hand
+        hand = about(axis / norm(axis), bend - MAX_WRIST_BEND_RAD) @ hand
     wrist = within_reach(shoulder_m, palm_m - offset * hand[:, 0], a, b)
     circle = elbow_circle(side, shoulder_m, wrist, a, b)
     swivel = turned(circle)

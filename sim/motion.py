@@ -132,6 +132,17 @@ def table_of(room: RoomSpec) -> Table:
     )
 
 
+def elbow_floor(anatomy: Anatomy, table: Table, palm_m: Floats) -> float:
+    """The least height of an elbow [m] whose palm is at palm_m (3,).
+
+    An arm over the table keeps its elbow above it; before the edge and below it may hang.
+    """
+    before = (table.near_x_m + 0.05 - float(palm_m[0])) / 0.15
+    under = (table.top_m - float(palm_m[2])) / 0.05
+    hanging = minimum_jerk(max(before, under))
+    return table.top_m + _ELBOW_CLEARANCE_H * anatomy.stature_m - _HANGING_M * hanging
+
+
 def object_at_rest(room: RoomSpec, name: str) -> Transform:
     """Where an object of the room stands before anybody moves it. Raises KeyError."""
     for thing in room.objects:
@@ -242,20 +253,14 @@ class Performer:
 
     def body(self, t_s: float) -> Body:
         """The body at t_s [s], as free of penetration as it can be: `sim.measure` judges it."""
-        plan, anatomy, table = self.plan, self.scene.anatomy, self._table
+        plan, anatomy = self.plan, self.scene.anatomy
         states = (plan.hands[0].at(t_s), plan.hands[1].at(t_s))
         sway = plan.sway.at(t_s)
         torso, head = posture(anatomy, states, sway, plan.carriage.at(t_s))
         joints = shoulders(anatomy, torso.position_m, torso.rotation)
-        clearance = _ELBOW_CLEARANCE_H * anatomy.stature_m
 
         def solve(side: int, palm_m: Floats, swivel_rad: float | None) -> Arm:
             state = states[side]
-            # An arm over the table keeps its elbow above it; before the edge and below it may hang.
-            before = (table.near_x_m + 0.05 - float(palm_m[0])) / 0.15
-            under = (table.top_m - float(palm_m[2])) / 0.05
-            hanging = minimum_jerk(max(before, under))
-            floor = table.top_m + clearance - _HANGING_M * hanging
             swivel = plan.swivel_rad + state.swivel_rad if swivel_rad is None else swivel_rad
             return solve_arm(
                 anatomy,
@@ -264,7 +269,7 @@ class Performer:
                 palm_m,
                 state.rotation,
                 swivel,
-                elbow_above_m=floor,
+                elbow_above_m=elbow_floor(anatomy, self._table, palm_m),
                 forward=torso.rotation[:, 0],
             )
 

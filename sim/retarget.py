@@ -26,7 +26,7 @@ from sim.kinematics import (
     shoulders,
     within_reach,
 )
-from sim.motion import Carriage, posture
+from sim.motion import Carriage, elbow_floor, posture, table_of
 from sim.planner import curled
 from sim.pose import SIDES
 from sim.specs import RoomSpec, SceneSpec
@@ -43,7 +43,6 @@ _SOFT_M = 0.012  # how gently limits set in
 # the shoulders: between an elbow behind the back and a hand through the edge.
 _OVER_M, _FREE_M, _BESIDE_M = 0.06, 0.35, 0.05
 _TRUSTED_M = 0.08  # a palm that far from its record no longer has the recorded elbow
-_ELBOW_M = 0.055  # of an elbow's centre above the table
 _MAX_LIFT_M = 0.22
 _LOW_SHARE = 0.15  # of the way the hands travel: may be pressed onto the table
 _HIGH_SHARE = 0.05  # likewise: may be lifted higher than this above the shoulders
@@ -370,15 +369,13 @@ def _forearms(
     side: int, scene: SceneSpec, joints: Floats, palms: Floats, swivels: Floats
 ) -> Floats:
     """Unit directions (m, 3) from the elbows to the palms, with straight wrists."""
-    anatomy, room = scene.anatomy, scene.room
+    anatomy, table = scene.anatomy, table_of(scene.room)
     upper, fore = anatomy.upper_arm_m, anatomy.forearm_m + anatomy.wrist_to_palm_m
     along = np.empty((len(palms), 3))
     for k, (joint, palm) in enumerate(zip(joints, palms, strict=True)):
         end = within_reach(joint, palm, upper, fore)
         circle = elbow_circle(side, joint, end, upper, fore)
-        # An elbow over the table stays above it.
-        over = 1.0 - min(max((room.table_near_x_m + 0.05 - float(palm[0])) / 0.15, 0.0), 1.0)
-        least = circle.least_swivel(room.table_height_m + _ELBOW_M - 0.5 * (1.0 - over))
+        least = circle.least_swivel(elbow_floor(anatomy, table, palm))
         forearm = end - circle.elbow(max(float(swivels[k]), least))
         along[k] = forearm / norm(forearm)
     return along

@@ -33,7 +33,10 @@ from sim.solids import Obstacles
 Solve = Callable[[int, Floats, float | None], Arm]  # side, palm (3,), swivel (None = the habit)
 
 _LEFT_ALONE_M = 0.0005  # of overlap: nothing is pushed for less
-_DONE_M = 0.0004  # beyond that: the projection stops
+# Beyond that, rounds go on down to _DONE_M, and are taken in part, less and less, from twice as
+# much: where one more round begins, the motion makes no step.
+_DONE_M = 0.0001
+_LEAST_SHARE = 0.02  # of a round: the projection stops
 _ROUNDS = 32
 # Many small moves, each well damped: they follow a smooth flow out of a deep overlap, where long
 # ones would jump between ways out from one moment to the next.
@@ -143,7 +146,7 @@ def _pair_rows(shapes: tuple[Shape, Shape], arms: tuple[Arm, Arm]) -> tuple[Floa
         chosen = (PART_OF_BAR[i] == first) & (PART_OF_BAR[j] == second)
         if chosen.any():
             # All bars of a hand go one way, the mean of theirs, each as heavy as it is deep.
-            depth = overlap[i[chosen], j[chosen]]
+            depth = overlap[i[chosen], j[chosen]] - _LEFT_ALONE_M
             mean = depth @ way[chosen] / depth.sum()
             common = (1.0 - _STEADY) * mean + _STEADY * steady
             way[chosen] = common / max(norm(common), 1e-6)
@@ -228,9 +231,10 @@ def separate(
     for _ in range(_ROUNDS):
         depth, rows = _pair_rows(shapes, arms)
         depth = np.concatenate([depth, *(b.depths_m for b in bumps)])
-        if not len(depth) or float(depth.max()) < _DONE_M:
+        share = min(max(float(depth.max(initial=0.0)) / _DONE_M - 1.0, 0.0), 1.0)
+        if share < _LEAST_SHARE:
             break
-        move = _step(depth, np.concatenate([rows, *(b.rows for b in bumps)]), arms)
+        move = share * _step(depth, np.concatenate([rows, *(b.rows for b in bumps)]), arms)
         solved = list(arms)
         for side in (0, 1):
             palm, swing = move[4 * side : 4 * side + 3], float(move[4 * side + 3])

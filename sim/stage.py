@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pjpdaf.errors import BenchError
 from sim.motion import UPRIGHT, CarriageMotion, Cue, HandMotion, Hold, Plan
 from sim.planner import HandPlanner, resting
 from sim.specs import ObjectSpec, SceneSpec
@@ -20,8 +21,14 @@ STILL_S = 1.1  # hands apart and still at the start: the thesis's first frames
 
 
 def number(values: Values, name: str) -> float:
-    """A numeric value in SI units."""
-    return float(values[name])
+    """A numeric value in SI units. Raises BenchError where the parameter is a choice or a file."""
+    value = values[name]
+    if isinstance(value, str):
+        raise BenchError(
+            f"parameter {name}: must be a number in this family of motion, got {value[:60]!r}; "
+            "give it a unit, a range and a nominal distribution instead of choices or a file"
+        )
+    return float(value)
 
 
 def side_of(values: Values, name: str) -> int:

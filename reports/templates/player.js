@@ -217,7 +217,9 @@
     const ends = [0, 1, 2, 3, 4, 5, 6, 7].map((n) => flat(...[1, 2, 4].map((bit, a) => n & bit ? high[a] : low[a])));
     const [from, to] = [0, 1].map((a) => ends.map((p) => p[a])).map((v) => [Math.min(...v), Math.max(...v)]);
     // Room for the numbers on the axes.
-    const scale = look.zoom * Math.min((w - 96) / (from[1] - from[0]), (h - 74) / (to[1] - to[0]));
+    const roomy = w > 250;
+    const [side, above] = roomy ? [96, 74] : [44, 40];
+    const scale = look.zoom * Math.min((w - side) / (from[1] - from[0]), (h - above) / (to[1] - to[0]));
     const spot = (x, y, z) => {
       const p = flat(x, y, z);
       return [w / 2 + (p[0] - (from[0] + from[1]) / 2) * scale, (h - 18) / 2 + (p[1] - (to[0] + to[1]) / 2) * scale];
@@ -236,11 +238,11 @@
     const away = (value, edge, a) => edge + (edge === high[a] ? 1 : -1) * 0.15 * radius;
     for (const x of ticks(0)) {
       stroke([x, low[1], low[2]], [x, high[1], low[2]]);
-      ctx.fillText(x.toFixed(1), ...spot(x, away(x, ey, 1), low[2]));
+      if (roomy) ctx.fillText(x.toFixed(1), ...spot(x, away(x, ey, 1), low[2]));
     }
     for (const y of ticks(1)) {
       stroke([low[0], y, low[2]], [high[0], y, low[2]]);
-      ctx.fillText(y.toFixed(1), ...spot(away(y, ex, 0), y, low[2]));
+      if (roomy) ctx.fillText(y.toFixed(1), ...spot(away(y, ex, 0), y, low[2]));
     }
     // The upright at the corner that is farthest left on the screen.
     const corners = [[low[0], low[1]], [low[0], high[1]], [high[0], low[1]], [high[0], high[1]]];
@@ -248,17 +250,18 @@
     stroke([ux, uy, low[2]], [ux, uy, high[2]]);
     for (const z of ticks(2)) {
       const [x, y] = spot(ux, uy, z);
-      ctx.textAlign = "right"; ctx.fillText(z.toFixed(1), x - 5, y + 4);
+      ctx.textAlign = "right";
+      if (roomy) ctx.fillText(z.toFixed(1), x - 5, y + 4);
     }
     ctx.textAlign = "center"; ctx.fillStyle = ink.text;
     const name = (words, [x, y]) => {
       const half = ctx.measureText(words).width / 2 + 3;
       ctx.fillText(words, Math.min(w - half, Math.max(half, x)), Math.min(h - 5, Math.max(12, y)));
     };
-    name("x, to the cameras", spot(middle[0], ey + (ey === high[1] ? 1 : -1) * 0.5 * radius, low[2]));
-    name("y, to the person’s left", spot(ex + (ex === high[0] ? 1 : -1) * 0.5 * radius, middle[1], low[2]));
+    name(roomy ? "x, to the cameras" : "x", spot(middle[0], ey + (ey === high[1] ? 1 : -1) * (roomy ? 0.5 : 0.15) * radius, low[2]));
+    name(roomy ? "y, to the person’s left" : "y", spot(ex + (ex === high[0] ? 1 : -1) * (roomy ? 0.5 : 0.15) * radius, middle[1], low[2]));
     const top = spot(ux, uy, high[2]);
-    name("z, up [m]", [top[0], top[1] - 8]);
+    name(roomy ? "z, up [m]" : "z", [top[0], top[1] - 8]);
 
     const far = (points, n) => [0, 1, 2].some((a) => points[a][n] < low[a] - radius || points[a][n] > high[a] + radius);
     const path = (points, first, last) => {

@@ -10,7 +10,7 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
 from sim.contact import arm_shape, exempt, hand_capsules
-from sim.kinematics import about, about_y, cross, norm, shoulders, solve_arm
+from sim.kinematics import OUTWARD, about, about_y, cross, norm, shoulders, solve_arm
 from sim.motion import posture
 from sim.solids import person_solids
 from sim.stage import Stage
@@ -47,9 +47,10 @@ class Laying:
 
     spot (3,): which way the head's surface is touched, in shares of its half axes; fingers (3,):
     where the fingers should point, head frame; pad (3,): the point of the hand that is to lie
-    there, hand frame; air_m: least distance of that point from the head. twists_rad, tilts_rad:
-    what may be chosen: fingers turned along the surface, the wrist lifted off it; the first are
-    liked best.
+    there, hand frame; air_m: least distance of that point from the head; own_side_m: least distance
+    of the hand from the head's mid-plane, on its own side (None: it may cross). twists_rad,
+    tilts_rad: what may be chosen: fingers turned along the surface, the wrist lifted off it; the
+    first are liked best.
     """
 
     spot: Floats
@@ -57,6 +58,7 @@ class Laying:
     pad: Floats
     curls: Floats
     air_m: float = -0.05
+    own_side_m: float | None = None
     twists_rad: tuple[float, ...] = (0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75)
     tilts_rad: tuple[float, ...] = (0.25, 0.1, 0.45, 0.7)
 
@@ -69,13 +71,30 @@ class Laying:
         normal = (unit / axes) / norm(unit / axes)
         turn = about(normal, twist_rad) @ _facing(normal, self.fingers) @ about_y(tilt_rad)
         base = axes * unit - turn @ self.pad
-        # Along the normal, to where the first part of the hand is about to touch.
+        palm = base + self._clear_of_head(anatomy, side, base, turn, normal) * normal
+        for _ in range(12):
+            if self.own_side_m is None:
+                break
+            bars = hand_capsules(anatomy, side, self.curls).placed(palm, turn)
+            ends = OUTWARD[side] * np.stack([bars.starts_m[:, 1], bars.ends_m[:, 1]])
+            aside = self.own_side_m - float((ends - bars.radii_m).min())
+            if aside < 1e-4:
+                break
+            # More than is asked for: the way back to the head leads inward again.
+            base[1] += 1.3 * OUTWARD[side] * aside
+            palm = base + self._clear_of_head(anatomy, side, base, turn, normal) * normal
+        return palm, turn
+
+    def _clear_of_head(
+        self, anatomy: Anatomy, side: int, base: Floats, turn: Floats, normal: Floats
+    ) -> float:
+        """How far along the normal [m] the first part of the hand is about to touch the head."""
         low, high = -0.05, 0.15
         for _ in range(16):
             middle = 0.5 * (low + high)
             free = _gap(anatomy, side, base + middle * normal, turn, self.curls) >= _FREE_M
             low, high = (low, middle) if free else (middle, high)
-        return base + max(high, self.air_m) * normal, turn
+        return max(high, self.air_m)
 
 
 def laid_on_head(
@@ -104,6 +123,8 @@ def laid_on_head(
             bent = math.acos(min(1.0, 0.5 * (float(np.trace(arm.hand.T @ turn_w)) - 1.0)))
             cost = 60.0 * (arm.short_m + sunk) + 3.4 * bent + 0.06 * (rank + order)
             if cost < least:
-                placed = {"position_m": palm_w, "quaternion": quaternion_of(turn_w)}
-                best, least = replace(like, curls=laying.curls, **placed), cost
+                least = cost
+                best = replace(
+                    like, position_m=palm_w, quaternion=quaternion_of(turn_w), curls=laying.curls
+                )
     return best

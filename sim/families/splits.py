@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from pjpdaf.arrays import Floats
 from sim.contact import hand_capsules, height_above_table
+from sim.families.on_head import Laying, laid_on_head
 from sim.kinematics import OUTWARD, cross, hand_rotation, norm
-from sim.motion import Cue, Hold, Plan, object_at_rest, posture
+from sim.motion import Cue, Hold, Plan, object_at_rest
 from sim.planner import HandPlanner, curled, grasp, raised
 from sim.pose import Transform
 from sim.specs import ObjectSpec
@@ -22,58 +22,63 @@ SIDES = ("right", "left")
 
 # Both hands on the head.
 
-# Where the left palm lies on the head, in shares of its half axes (x out of the face, y outward, z
-# up); the way of its fingers and of its back, in the head's frame with y outward.
-_PLACES: Mapping[str, tuple[Floats, Floats, Floats]] = {
-    "cheeks": (np.array([0.6, 0.9, -0.25]), np.array([-0.15, -0.05, 1]), np.array([0.5, 1, 0])),
-    "forehead": (np.array([0.9, 0.5, 0.45]), np.array([0.0, -0.7, 0.75]), np.array([1, 0.25, 0.2])),
-    "face": (np.array([1.05, 0.5, -0.25]), np.array([-0.1, -0.25, 1.0]), np.array([1, 0.3, 0.0])),
+# Where the left hand lies, in shares of the head's half axes (x out of the face, y outward, z up),
+# and where its fingers point, in the head's frame.
+_PLACES: Mapping[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {
+    "cheeks": ((0.62, 0.72, -0.25), (-0.15, 0.0, 1.0)),
+    "forehead": ((0.85, 0.45, 0.35), (0.0, -0.35, 0.9)),
+    "face": ((0.95, 0.45, -0.20), (-0.1, -0.15, 1.0)),
 }
+_BETWEEN_M = 0.004  # from either hand to the head's mid-plane, so that tremor is not contact
 
 
-def _on_head(stage: Stage, side: int, head: Transform, nod_rad: float, off_m: float) -> HandState:
-    """The hand laid on its place of the head; off_m: how far from it, aside and to the front."""
-    anatomy, outward = stage.scene.anatomy, np.array([1.0, OUTWARD[side], 1.0])
-    half = 0.5 * np.array([anatomy.head_depth_m, anatomy.head_breadth_m, anatomy.head_height_m])
-    share, fingers, back = _PLACES[str(stage.values["where"])]
-    x = head.rotation @ (fingers * outward)
-    z = head.rotation @ (back * outward)
-    x = x / norm(x)
-    z = z - (z @ x) * x
-    z = z / norm(z)
-    place = head.position_m + head.rotation @ (share * half * outward)
-    place = place + (0.19 * anatomy.hand_breadth_m + off_m) * z + off_m * head.rotation[:, 0]
-    return HandState(
-        place,
-        quaternion_of(np.column_stack([x, cross(z, x), z])),
+def _on_head(stage: Stage, side: int) -> HandState:
+    """The hand laid on its place of the head while the other one is laid there too."""
+    spot, fingers = np.array([1.0, OUTWARD[side], 1.0]) * _PLACES[str(stage.values["where"])]
+    laying = Laying(
+        spot,
+        fingers,
+        np.array([0.0, 0.0, -0.17 * stage.scene.anatomy.hand_breadth_m]),
         curled(stage.number("curl")),
-        air=0.3,
-        with_head=1.0,
-        nod_rad=nod_rad,
-        swivel_rad=stage.number("swivel"),
+        own_side_m=_BETWEEN_M,
+        twists_rad=(0.0, 0.15, -0.15),
+        tilts_rad=(0.0, 0.12, 0.25, 0.4),
     )
+    # The head is where it will be while both hands follow it.
+    like, other = (
+        replace(
+            stage.rest(hand),
+            air=0.1,
+            with_head=1.0,
+            nod_rad=0.5 * stage.number("nod"),
+            swivel_rad=stage.number("swivel"),
+        )
+        for hand in (side, 1 - side)
+    )
+    return laid_on_head(stage, side, laying, like, other)
 
 
 def _both_hands_to_head(stage: Stage) -> Plan:
     """Both hands go to the head, stay, and come back."""
-    speed, nod = stage.number("speed"), 0.5 * stage.number("nod")
+    speed = stage.number("speed")
     hands = (HandPlanner(stage.rest(0)), HandPlanner(stage.rest(1)))
-    # The head is where it will be while both hands follow it.
-    still = [replace(stage.rest(s), with_head=1.0, nod_rad=nod) for s in (0, 1)]
-    _, head = posture(stage.scene.anatomy, (still[0], still[1]), np.zeros(3))
+    on = (_on_head(stage, 0), _on_head(stage, 1))
+    before = [
+        replace(h, position_m=h.position_m + 0.08 * (h.rotation[:, 2] + [1, 0, 0])) for h in on
+    ]
     begun = STILL_S + stage.number("wait")
     late = stage.number("lag")
     for side in (0, 1):
         hands[side].until(begun + (late if side == stage.side("second") else 0.0))
         # Forward of the shoulder: no elbow folds enough for the straight way.
         away = np.array([0.12, OUTWARD[side] * 0.03, 0.0])
-        hands[side].move(_on_head(stage, side, head, nod, 0.08), speed, away)
-        hands[side].move(_on_head(stage, side, head, nod, 0.0), 0.5 * speed)
+        hands[side].move(before[side], speed, away)
+        hands[side].move(on[side], 0.5 * speed)
     there = max(hand.clock_s for hand in hands)
     left = there + stage.number("hold")
     for side in (0, 1):
         hands[side].until(left)
-        hands[side].move(_on_head(stage, side, head, nod, 0.08), 0.5 * speed)
+        hands[side].move(before[side], 0.5 * speed)
         hands[side].move(stage.rest(side), speed, [0.12, OUTWARD[side] * 0.03, 0.0])
     cues = (
         Cue("to_head", begun, there),

@@ -5,6 +5,7 @@ import os
 import pickle
 import random
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,11 +13,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from pjpdaf.errors import BenchError
-from reports.records import EpisodeFailure, Picture
-from reports.results import RunInfo, check_free, load, save
-from reports.rows import EPISODES, EVENTS, FRAMES, rows_of
+from reports.records import EpisodeFailure, Picture, Still
+from reports.results import RunInfo, check_free, load, read_film, save
+from reports.rows import CAMERAS, DETECTIONS, EPISODES, EVENTS, FRAMES, rows_of
 
-TABLES = ("frames.parquet", "episodes.parquet", "events.parquet")
+TABLES = tuple(
+    f"{name}.parquet"
+    for name in ("frames", "episodes", "events", "tracking", "detections", "cameras")
+)
 INFO = RunInfo("night", preset="default", overrides={"gate": 15.0}, argv=("run", "calm_table"))
 
 
@@ -31,8 +35,15 @@ def played(episode_of, tools):
                 estimates[5:] = estimates[5:][:, [0, 2, 1]]
             picture = Picture(3, b"\xff\xd8jpeg")
             episodes.append(
-                episode_of(
-                    estimates, centres_m=centres, scenario=scenario, seed=seed, pictures=(picture,)
+                replace(
+                    episode_of(
+                        estimates,
+                        centres_m=centres,
+                        scenario=scenario,
+                        seed=seed,
+                        pictures=(picture,),
+                    ),
+                    film=tuple(Still(f, f"RIFF {seed} {f}".encode()) for f in (0, 3, 11)),
                 )
             )
     return [*episodes, EpisodeFailure("cross", 3, "timed out", group="hand and hand")]
@@ -61,6 +72,47 @@ def test_round_trip(run, played):
     assert swaps[["scenario", "seed", "first_frame", "ended"]].to_numpy().tolist() == [
         ["cross", 1, 5, False]
     ]
+
+
+def test_what_was_detected_is_there_in_its_order(run, played):
+    read = load(run)
+    assert list(read.detections.columns) == DETECTIONS.names
+    assert list(read.cameras.columns) == CAMERAS.names
+    assert len(read.detections) == 6 * 12 * 2 * 3
+    mine = read.detections.query("scenario == 'cross' and seed == 2 and frame == 7")
+    assert mine.view.tolist() == ["left"] * 3 + ["right"] * 3
+    seen = played[5].frames[7].detections
+    shape = mine[["x_px", "y_px", "a_px", "b_px", "angle_rad"]].to_numpy()
+    np.testing.assert_array_equal(shape, np.vstack([view.ellipses for view in seen]))
+    assert mine.area_px.tolist() == [1500.0] * 6
+    camera = played[5].cameras[1]
+    row = read.cameras.query("scenario == 'cross' and seed == 2 and view == 'right'").iloc[0]
+    np.testing.assert_array_equal(np.reshape(row.K, (3, 3)), camera.K)
+    np.testing.assert_array_equal(np.reshape(row.R_cw, (3, 3)), camera.R_cw)
+    np.testing.assert_array_equal(row.t_cw, camera.t_cw)
+
+
+def test_frames_without_detections_have_no_rows(episode_of, tmp_path):
+    episode = episode_of(frames=4)
+    blind = replace(
+        episode, frames=tuple(replace(outcome, detections=()) for outcome in episode.frames)
+    )
+    assert len(load(save(tmp_path / "run", [blind], INFO)).detections) == 0
+
+
+def test_films_are_kept_whole_and_checked(run):
+    read = load(run)
+    # Both first seeds, and the one that swapped.
+    kept = [(film["scenario"], film["seed"], film["frames"]) for film in read.meta["films"]]
+    assert kept == [("calm_table", 0, 3), ("cross", 0, 3), ("cross", 1, 3)]
+    assert not any(film["whole"] for film in read.meta["films"])
+    film = read.meta["films"][2]["file"]
+    assert read_film(read, film) == {f: f"RIFF 1 {f}".encode() for f in (0, 3, 11)}
+    (run / film).write_bytes(b"PK")
+    with pytest.raises(BenchError, match=r"0004_cross_1\.zip: is damaged"):
+        read_film(read, film)
+    with pytest.raises(BenchError, match=r"0004_cross_1\.zip: is damaged"):
+        load(run)
 
 
 def test_counts_and_sums_agree_with_the_frames(run):
@@ -96,6 +148,8 @@ def test_the_order_of_episodes_changes_no_byte(played, tmp_path_factory, shuffle
     straight, shuffled = save(base / "a", played, INFO), save(base / "b", mixed, INFO)
     for name in TABLES:
         assert (straight / name).read_bytes() == (shuffled / name).read_bytes(), name
+    for film in sorted(straight.glob("films/*")):
+        assert film.read_bytes() == (shuffled / "films" / film.name).read_bytes()
     assert (straight / "run.json").read_bytes() == (shuffled / "run.json").read_bytes()
 
 
@@ -224,6 +278,7 @@ def test_a_damaged_picture_is_named(run):
         (lambda m: m["files"].pop("events.parquet"), "events.parquet is not listed"),
         (lambda m: m["files"].update({"../x": {}}), "which is outside the run"),
         (lambda m: m["pictures"][0].update(file="/etc/passwd"), "a picture is not listed"),
+        (lambda m: m["films"][0].update(file="../film.zip"), "a film is not listed"),
     ],
 )
 def test_a_wrong_run_json_is_one_line(run, change, message):
