@@ -22,6 +22,7 @@ from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from reports.budget import Budget, budget_of
 from reports.figures import speed_chart, stacked_bars
+from reports.files import disk_faults, written_whole_file
 from reports.groups import GroupRow, group_rows, scenario_rows, whole_row
 from reports.player import (
     FILM_BYTES,
@@ -211,13 +212,9 @@ def write_page(runs: Sequence[SavedRun], path: Path, title: str = "") -> Path:
 
 def write_text(path: Path, text: str) -> Path:
     """Write a page, whole or not at all, and return its path. Raises BenchError."""
-    part = path.with_name(f".{path.name}.part")
-    try:
+    what = "the report"
+    with written_whole_file(path, what, replace=True) as part, disk_faults(path, what):
         part.write_text(text, encoding="utf-8")
-        part.replace(path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise BenchError(f"{path}: cannot write the report: {error.strerror or error}.") from error
     return path
 
 
