@@ -10,7 +10,8 @@ import re
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -48,6 +49,8 @@ TABLES = {
     "detections": DETECTIONS,
     "cameras": CAMERAS,
 }
+# A slim run has what the gate reads, small enough for git.
+SLIM_TABLES = ("episodes", "events", "tracking")
 ROW_GROUP = 65536
 
 
@@ -56,7 +59,9 @@ class RunInfo:
     """What was asked for: everything in run.json that the episodes do not say themselves.
 
     parameters: of detector and tracker, as plain values, all of them; overrides: those changed
-    from the preset. complete: every episode that was asked for is here.
+    from the preset. complete: every episode that was asked for is here. request: what the command
+    line asked for, to be asked for again; suites: name, version and digest of each; entries: per
+    scenario (its name in the results) what it is of and what is changed of it.
     """
 
     name: str
@@ -68,11 +73,17 @@ class RunInfo:
     renderer: str = ""
     argv: tuple[str, ...] = ()
     complete: bool = True
+    request: Mapping[str, Any] = field(default_factory=dict)
+    suites: Sequence[Mapping[str, Any]] = ()
+    entries: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
 class SavedRun:
-    """A run read back. meta: run.json; the others: its tables (`reports.rows`)."""
+    """A run read back. meta: run.json; the others: its tables (`reports.rows`).
+
+    Of a slim run all tables but `SLIM_TABLES` are empty.
+    """
 
     folder: Path
     meta: Mapping[str, Any]
@@ -87,6 +98,11 @@ class SavedRun:
     def name(self) -> str:
         """The run's name."""
         return str(self.meta["name"])
+
+    @property
+    def slim(self) -> bool:
+        """Whether it was saved without frames, detections, pictures and films."""
+        return bool(self.meta.get("slim"))
 
 
 def save(
@@ -112,15 +128,43 @@ def save(
             raise BenchError(
                 f"Scenario {a.scenario!r} seed {a.seed} was given twice; a run has it once."
             )
+    with _in_place(folder) as part:
+        _write(part, rows, info)
+    return folder
+
+
+def save_slim(run: SavedRun, folder: Path, *, force: bool = False) -> Path:
+    """Write a copy with only what the gate reads, small enough for git, and return the folder.
+
+    No frames, detections, cameras, drawn values, times, pictures, films. Raises as `save`.
+    """
+    folder = Path(os.path.abspath(folder))  # noqa: PTH100 - as in save
+    check_free(folder, force=force)
+    # The digests are in run.json, and the drawn values follow from them.
+    episodes = run.episodes.assign(digest="", values_json="{}")
+    tables = {"episodes": episodes, "events": run.events, "tracking": run.tracking}
+    with _in_place(folder) as part:
+        for name in SLIM_TABLES:
+            table = pa.Table.from_pandas(tables[name], TABLES[name], preserve_index=False)
+            write_table(part / f"{name}.parquet", table.replace_schema_metadata(), packed=True)
+        none: dict[str, Any] = {"timing": [], "pictures": [], "films": []}
+        meta = {**run.meta, **none, "slim": True, "files": _files_in(part)}
+        text = json.dumps(meta, ensure_ascii=False) + "\n"
+        (part / "run.json").write_text(text, encoding="utf-8")
+    return folder
+
+
+@contextmanager
+def _in_place(folder: Path) -> Iterator[Path]:
+    """A folder to write into; at the end it becomes `folder`, or nothing is left of it."""
     with disk_faults(folder, "the run"):
         folder.parent.mkdir(parents=True, exist_ok=True)
         part = part_folder(folder)
         try:
-            _write(part, rows, info)
+            yield part
             _publish(part, folder)
         finally:
             shutil.rmtree(part, ignore_errors=True)
-    return folder
 
 
 def check_free(folder: Path, *, force: bool = False) -> None:
@@ -153,8 +197,18 @@ def load(folder: Path) -> SavedRun:
     meta = _load_meta(folder)
     for name, entry in meta["files"].items():
         _check_file(folder, name, entry)
-    tables = {name: _load_table(folder / f"{name}.parquet", TABLES[name]) for name in TABLES}
+    there = _tables_in(meta)
+    tables = {
+        name: _load_table(folder / f"{name}.parquet", schema)
+        if name in there
+        else schema.empty_table().to_pandas()
+        for name, schema in TABLES.items()
+    }
     return SavedRun(folder, meta, **tables)
+
+
+def _tables_in(meta: Mapping[str, Any]) -> tuple[str, ...]:
+    return SLIM_TABLES if meta.get("slim") else tuple(TABLES)
 
 
 def _write(part: Path, rows: Sequence[EpisodeRows], info: RunInfo) -> None:
@@ -162,26 +216,21 @@ def _write(part: Path, rows: Sequence[EpisodeRows], info: RunInfo) -> None:
         write_table(part / f"{name}.parquet", table)
     pictures = _write_pictures(part, rows)
     films = _write_films(part, rows)
-    files = {
-        path.relative_to(part).as_posix(): {
-            "sha256": _sha256(path),
-            "bytes": path.stat().st_size,
-        }
-        for path in sorted(part.rglob("*"))
-        if path.is_file()
-    }
     meta = {
         "kind": KIND,
         "schema_version": SCHEMA_VERSION,
         "metrics_version": METRICS_VERSION,
         "name": info.name,
         "complete": info.complete,
+        "slim": False,
         "preset": info.preset,
         "detector": info.detector,
         "tracker": info.tracker,
         "parameters": dict(info.parameters),
         "overrides": dict(info.overrides),
-        "scenarios": _scenarios(rows),
+        "request": dict(info.request),
+        "suites": [dict(suite) for suite in info.suites],
+        "scenarios": _scenarios(rows, info.entries),
         "provenance": provenance(info.argv, info.renderer),
         "pictures": pictures,
         "films": films,
@@ -195,11 +244,22 @@ def _write(part: Path, rows: Sequence[EpisodeRows], info: RunInfo) -> None:
             for r in rows
             if not r.failure
         ],
-        "files": files,
+        "files": _files_in(part),
     }
     text = json.dumps(meta, indent=1, ensure_ascii=False, default=str) + "\n"
     # run.json last: a folder without it is no run.
     (part / "run.json").write_text(text, encoding="utf-8")
+
+
+def _files_in(part: Path) -> dict[str, dict[str, Any]]:
+    return {
+        path.relative_to(part).as_posix(): {
+            "sha256": _sha256(path),
+            "bytes": path.stat().st_size,
+        }
+        for path in sorted(part.rglob("*"))
+        if path.is_file()
+    }
 
 
 def tables_of(rows: Sequence[EpisodeRows]) -> dict[str, pa.Table]:
@@ -225,8 +285,13 @@ def tables_of(rows: Sequence[EpisodeRows]) -> dict[str, pa.Table]:
     }
 
 
-def write_table(path: Path, table: pa.Table) -> None:
-    """Parquet with every option fixed, so that equal tables are equal files."""
+def write_table(path: Path, table: pa.Table, *, packed: bool = False) -> None:
+    """Parquet with every option fixed, so that equal tables are equal files.
+
+    packed: a fifth smaller, in an encoding of numbers that some older readers lack.
+    """
+    numbers = [c.name for c in table.schema if pa.types.is_floating(c.type)]
+    others = [name for name in table.schema.names if name not in numbers]
     pq.write_table(
         table,
         path,
@@ -234,13 +299,16 @@ def write_table(path: Path, table: pa.Table) -> None:
         data_page_version="1.0",
         compression="zstd",
         compression_level=6,
-        use_dictionary=True,
+        use_dictionary=others if packed else True,
+        use_byte_stream_split=numbers if packed else False,
         write_statistics=True,
         row_group_size=ROW_GROUP,
     )
 
 
-def _scenarios(rows: Sequence[EpisodeRows]) -> list[dict[str, Any]]:
+def _scenarios(
+    rows: Sequence[EpisodeRows], entries: Mapping[str, Mapping[str, Any]]
+) -> list[dict[str, Any]]:
     """Per scenario its seeds, with the digest of each concrete episode and what failed."""
     found: dict[str, dict[str, Any]] = {}
     for row in rows:
@@ -249,13 +317,16 @@ def _scenarios(rows: Sequence[EpisodeRows]) -> list[dict[str, Any]]:
             {
                 "name": row.scenario,
                 "group": row.episodes[0]["group"],
+                **entries.get(row.scenario, {}),
                 "seeds": [],
                 "digests": [],
+                "truths": [],
                 "failures": [],
             },
         )
         entry["seeds"].append(row.seed)
         entry["digests"].append(row.digest)
+        entry["truths"].append(row.truth)
         if row.failure:
             entry["failures"].append({"seed": row.seed, "reason": row.failure})
     return list(found.values())
@@ -368,7 +439,7 @@ def _load_meta(folder: Path) -> dict[str, Any]:
         if not isinstance(meta.get(name), kind):
             raise BenchError(f"{path}: is damaged: {name!r} is missing or not a {kind.__name__}.")
     listed = set(meta["files"])
-    for needed in [f"{name}.parquet" for name in TABLES]:
+    for needed in [f"{name}.parquet" for name in _tables_in(meta)]:
         if needed not in listed:
             raise BenchError(f"{path}: is damaged: {needed} is not listed.")
     for what, entries in (("picture", meta["pictures"]), ("film", meta["films"])):

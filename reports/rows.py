@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 from collections.abc import Mapping
@@ -151,7 +152,8 @@ class EpisodeRows:
     tracking: the row of `TRACKING`, None of an episode without a result. detections: columns of
     `DETECTIONS`; cameras: the rows of `CAMERAS`.
 
-    stage_s: wall time summed over the frames [s], never part of the tables.
+    stage_s: wall time summed over the frames [s], never part of the tables. truth: digest of where
+    the targets truly were.
     """
 
     scenario: str
@@ -165,6 +167,7 @@ class EpisodeRows:
     frame_count: int
     failure: str = ""
     tracking: Row | None = None
+    truth: str = ""
     detections: Mapping[str, list[object]] = field(default_factory=dict)
     cameras: tuple[Row, ...] = ()
     film: tuple[Still, ...] = ()
@@ -198,10 +201,18 @@ def rows_of(played: Episode | EpisodeFailure) -> EpisodeRows:
         stage_s={s: sum(o.stage_s.get(s, 0.0) for o in played.frames) for s in stages},
         frame_count=len(played.frames),
         tracking=_tracking_row(played),
+        truth=_truth_digest(played),
         detections=_detection_columns(played),
         cameras=_camera_rows(played),
         film=played.film,
     )
+
+
+def _truth_digest(episode: Episode) -> str:
+    """Of all targets' centres to 0.1 mm: equal where two simulators moved the person alike."""
+    centres_m = np.stack([outcome.truth.centres_m for outcome in episode.frames])
+    tenths = np.round(centres_m * 1e4).astype("<i8")
+    return hashlib.sha256(tenths.tobytes()).hexdigest()[:16]
 
 
 def _tracking_row(episode: Episode) -> Row:

@@ -25,6 +25,8 @@ app = typer.Typer(
 )
 scenarios_app = typer.Typer(help="The catalogue of scenarios.", no_args_is_help=True)
 app.add_typer(scenarios_app, name="scenarios")
+plugin_app = typer.Typer(help="Trackers and detectors of your own.", no_args_is_help=True)
+app.add_typer(plugin_app, name="plugin")
 
 PresetName = Annotated[
     str, typer.Option(help="Detector and tracker of this preset: thesis, thesis-literal.")
@@ -74,6 +76,14 @@ def run(
     out: Annotated[
         Path | None, typer.Option(help="Folder of the saved run [runs/NAME-DATE-TIME].")
     ] = None,
+    first_seed: Annotated[int, typer.Option(help="Where the seeds start.")] = 0,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Only this of what is named; as in the table."),
+    ] = None,
+    slim: Annotated[
+        bool, typer.Option("--slim", help="Keep only what `compare` needs: no frames, no page.")
+    ] = False,
     films: Annotated[
         bool,
         typer.Option(
@@ -100,9 +110,88 @@ def run(
             jobs=jobs,
             out=out,
             argv=tuple(sys.argv[1:]),
+            first_seed=first_seed,
+            only=tuple(only or ()),
+            slim=slim,
             films=films,
         )
     )
+
+
+@app.command()
+def compare(
+    base: Annotated[Path, typer.Argument(metavar="BASE", help="Folder of a saved run.")],
+    new: Annotated[Path, typer.Argument(metavar="NEW", help="Another, that must not be worse.")],
+    margins: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="YAML file with margins: `margins: {error_mm: 2.5}`."),
+    ] = None,
+    margin: Annotated[
+        list[str] | None,
+        typer.Option(metavar="METRIC=VALUE", help="How much worse it may be. Repeatable."),
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder of the verdict's files [NEW].")] = None,
+    escalate: Annotated[
+        bool,
+        typer.Option("--escalate", help="Where inconclusive: play more seeds of both."),
+    ] = False,
+    jobs: Annotated[
+        int | None, typer.Option(help="With --escalate: worker processes [all cores].")
+    ] = None,
+) -> None:
+    """The gate: a paired verdict on two saved runs, per metric.
+
+    Writes verdict.json, junit.xml, summary.md, badge.json. Exit code 0: no worse; 1: worse; 3:
+    inconclusive; 4: the runs did not play the same.
+    """
+    from scenarios.compare import CompareRequest, compare_runs
+
+    raise typer.Exit(
+        compare_runs(
+            CompareRequest(
+                base=base,
+                new=new,
+                margins_file=margins,
+                margins=tuple(margin or ()),
+                out=out,
+                escalate=escalate,
+                jobs=jobs,
+                argv=tuple(sys.argv[1:]),
+            )
+        )
+    )
+
+
+@app.command()
+def baseline(
+    run_folder: Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a saved run.")],
+    out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder of the slim copy.")],
+    replace: Annotated[bool, typer.Option("--replace", help="A run may lie there.")] = False,
+) -> None:
+    """Keep of a saved run only what `compare` needs, small enough for git."""
+    from reports.results import load, save_slim
+
+    typer.echo(f"baseline: {save_slim(load(run_folder), out, force=replace)}")
+
+
+@plugin_app.command("check")
+def plugin_check(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Entry point or module:factory.")],
+    kind: Annotated[str, typer.Option(help="tracker or detector.")] = "tracker",
+    limit: Annotated[float, typer.Option(help="How long one call may take [s].")] = 10.0,
+) -> None:
+    """Say what is wrong with a tracker or detector of your own, a line each; exit code 1 then."""
+    from pjpdaf.conformance import check_named
+    from scenarios.run import find_plug_ins_here
+
+    find_plug_ins_here(name)
+    faults = check_named(kind, name, limit)
+    for fault in faults:
+        typer.echo(fault)
+    if faults:
+        sys.stdout.flush()
+        os._exit(1)  # a call that hangs must not keep the command
+    typer.echo(f"ok: {kind} {name}")
 
 
 @app.command()

@@ -6,10 +6,11 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from rich.console import Console
 
@@ -17,23 +18,24 @@ from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.parameters import PRESETS, find_preset, override
 from pjpdaf.registry import make_detector, make_tracker
 from reports.page import write_page
-from reports.results import RunInfo, check_free, load, save
+from reports.results import RunInfo, SavedRun, check_free, load, save, save_slim
 from reports.rows import EpisodeRows
 from reports.tables import count, rich_table, summarise
-from scenarios.catalogue import resolve, scenarios_of
+from scenarios.catalogue import resolve
 from scenarios.concrete import SETTINGS, concrete, in_si, perform, setting_of
 from scenarios.execute import Played, play_all
 from scenarios.filming import rig_of
+from scenarios.lock import stamp
 from scenarios.parameters import File, nearest
+from scenarios.parts import Part, parts_of
 from scenarios.play import Job, System
 from scenarios.progress import progress_bar
-from scenarios.spec import Scenario, Suite
+from scenarios.spec import Suite
 from sim.contact import Unposable
 from sim.rig import stereo_rig
-from sim.stage import Value
 
 MAX_SEEDS = 100_000
-SCENARIO_SEEDS = 10  # of a scenario that is named alone
+MAX_FIRST_SEED = 2**31
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,9 @@ class RunRequest:
     jobs: int | None
     out: Path | None
     argv: tuple[str, ...]
+    first_seed: int = 0
+    only: tuple[str, ...] = ()
+    slim: bool = False
     films: bool = False
 
 
@@ -98,55 +103,6 @@ def find_plug_ins_here(*parts: str) -> None:
         sys.path.append(here)
 
 
-@dataclass(frozen=True)
-class Part:
-    """One scenario of a run: what a suite changes of it, and how many seeds it plays."""
-
-    scenario: Scenario
-    overrides: Mapping[str, Value]
-    seeds: int
-    label: str
-
-    @property
-    def takes(self) -> frozenset[str]:
-        """What `--set` can change."""
-        return frozenset((*self.scenario.parameters, *SETTINGS))
-
-
-def _parts(name: str) -> list[Part]:
-    found = resolve(name)
-    if not isinstance(found, Suite):
-        return _at_rates(Part(found, {}, SCENARIO_SEEDS, found.name))
-    return [
-        part
-        for entry, scenario in scenarios_of(found)
-        for part in _at_rates(
-            Part(
-                scenario,
-                entry.overrides | ({} if entry.frames is None else {"frames": entry.frames}),
-                entry.seeds or found.seeds,
-                entry.label or scenario.name,
-            )
-        )
-    ]
-
-
-def _at_rates(part: Part) -> list[Part]:
-    """The same time at each of the scenario's frame rates; the part itself where it has none."""
-    scenario = part.scenario
-    if not scenario.rates or "fps" in part.overrides:
-        return [part]
-    duration_s = float(part.overrides.get("frames", scenario.frames)) / scenario.fps
-    return [
-        replace(
-            part,
-            overrides={**part.overrides, "fps": rate, "frames": max(1, round(duration_s * rate))},
-            label=f"{part.label}@{rate:g}",
-        )
-        for rate in scenario.rates
-    ]
-
-
 def plan(request: RunRequest) -> list[Job]:
     """All episodes of a run, in their order; everything that can be wrong is found here.
 
@@ -154,8 +110,12 @@ def plan(request: RunRequest) -> list[Job]:
     """
     if request.seeds is not None and not 1 <= request.seeds <= MAX_SEEDS:
         raise BenchError(f"--seeds must be between 1 and {MAX_SEEDS}, got {request.seeds}")
+    if not 0 <= request.first_seed <= MAX_FIRST_SEED:
+        raise BenchError(
+            f"--first-seed must be between 0 and {MAX_FIRST_SEED}, got {request.first_seed}"
+        )
     settings = read_settings(request.settings)
-    parts = [part for name in request.targets for part in _parts(name)]
+    parts = _chosen([part for name in request.targets for part in parts_of(name)], request.only)
     names = [part.label for part in parts]
     for name in names:
         if names.count(name) > 1:
@@ -174,12 +134,30 @@ def plan(request: RunRequest) -> list[Job]:
         overrides = {**part.overrides, **asked}
         seeds = request.seeds if request.seeds is not None else part.seeds
         jobs += [
-            Job(part.scenario, seed, overrides, system, seed == 0, part.label, request.films)
-            for seed in range(seeds)
+            Job(
+                part.scenario,
+                seed,
+                overrides,
+                system,
+                keep_pictures=seed == request.first_seed and not request.slim,
+                label=part.label,
+                keep_film=request.films and not request.slim,
+            )
+            for seed in range(request.first_seed, request.first_seed + seeds)
         ]
     for job in {job.name: job for job in jobs}.values():
         check(job)
     return jobs
+
+
+def _chosen(parts: list[Part], only: Sequence[str]) -> list[Part]:
+    """Those whose name in the results was asked for; all where none was."""
+    labels = [part.label for part in parts]
+    for name in only:
+        if name not in labels:
+            hint = nearest(name, labels) or ";"
+            raise BenchError(f"--only {name}: not played{hint} there are: {', '.join(labels)}")
+    return [part for part in parts if part.label in only or not only]
 
 
 def check(job: Job) -> None:
@@ -211,6 +189,65 @@ def parameters_of(request: RunRequest) -> dict[str, object]:
     return parameters
 
 
+def record(
+    request: RunRequest,
+    jobs: Sequence[Job],
+    played: Played,
+    folder: Path,
+    *,
+    force: bool = False,
+) -> SavedRun:
+    """Save what came of `jobs` and read it back; the whole, also where a slim run is kept of it.
+
+    Raises BenchError (`reports.results.save`).
+    """
+    info = RunInfo(
+        name=folder.name,
+        preset=request.preset,
+        detector=request.detector,
+        tracker=request.tracker,
+        parameters=parameters_of(request),
+        overrides=dict(pair.split("=", 1) for pair in request.settings),
+        renderer=played.renderer,
+        argv=request.argv,
+        complete=not played.interrupted,
+        request={
+            "targets": list(request.targets),
+            "seeds": request.seeds,
+            "first_seed": request.first_seed,
+            "only": list(request.only),
+            "settings": list(request.settings),
+        },
+        suites=suites_of(request.targets),
+        entries={job.name: _entry(job) for job in jobs},
+    )
+    if not request.slim:
+        return load(save(folder, played.rows, info, force=force))
+    with TemporaryDirectory() as temporary:
+        whole = load(save(Path(temporary) / folder.name, played.rows, info))
+        save_slim(whole, folder, force=force)
+    return replace(whole, folder=folder)
+
+
+def suites_of(targets: Sequence[str]) -> list[dict[str, object]]:
+    """Name, version and digest of the suites among these."""
+    stamps = [stamp(suite) for t in targets if isinstance(suite := resolve(t), Suite)]
+    return [{key: one[key] for key in ("name", "version", "digest")} for one in stamps]
+
+
+def _entry(job: Job) -> dict[str, object]:
+    """What an episode is of, and what is changed of it: by a suite, or by --set."""
+    scenario = job.scenario
+    return {
+        "scenario": scenario.name,
+        "version": scenario.version,
+        "family": scenario.family,
+        "overrides": {
+            k: v if isinstance(v, int | float) else str(v) for k, v in job.overrides.items()
+        },
+    }
+
+
 def default_folder(targets: Sequence[str]) -> Path:
     """runs/NAME-DATE-TIME, a number behind it where two runs start in the same second."""
     name = "+".join(Path(target).stem for target in targets)[:60]
@@ -237,20 +274,7 @@ def run_suite(request: RunRequest) -> None:
     if not played.rows:
         raise Interrupted("interrupted before any episode was finished; nothing saved")
     wall_s = time.perf_counter() - started
-    info = RunInfo(
-        name=folder.name,
-        preset=request.preset,
-        detector=request.detector,
-        tracker=request.tracker,
-        parameters=parameters_of(request),
-        overrides=dict(pair.split("=", 1) for pair in request.settings),
-        renderer=played.renderer,
-        argv=request.argv,
-        complete=not played.interrupted,
-    )
-    save(folder, played.rows, info)
-    saved = load(folder)
-    page = write_page([saved], folder / "report.html")
+    saved = record(request, jobs, played, folder)
     out = Console()
     out.print(rich_table(summarise(saved)))
     frames = sum(row.frame_count for row in played.rows)
@@ -259,7 +283,11 @@ def run_suite(request: RunRequest) -> None:
         f"({frames / wall_s:.1f} a second, {workers} workers)",
         highlight=False,
     )
-    out.print(f"report: {page}", highlight=False, soft_wrap=True)
+    if request.slim:
+        out.print(f"slim run: {folder}", highlight=False, soft_wrap=True)
+    else:
+        page = write_page([saved], folder / "report.html")
+        out.print(f"report: {page}", highlight=False, soft_wrap=True)
     _end(played, jobs)
 
 
@@ -303,4 +331,7 @@ def remake_report(run_folders: Sequence[Path], out: Path | None) -> Path:
     if out is None and len(run_folders) > 1:
         raise BenchError("a page of several runs is in none of them: give --out FILE.html")
     saved = [load(folder) for folder in run_folders]
+    for run in saved:
+        if run.slim:
+            raise BenchError(f"{run.folder}: is a slim run, without frames; it has no page")
     return write_page(saved, out or run_folders[0] / "report.html")

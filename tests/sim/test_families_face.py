@@ -59,8 +59,8 @@ def test_nominal_draws_can_be_posed(name):
 
 
 @every
-def test_the_first_second_is_still_with_hands_apart(name):
-    for seed in SEEDS:
+def test_the_first_second_is_still_with_hands_apart(name, seeds):
+    for seed in seeds:
         script = performance(name, seed).script
         first, last = script.body(0.0), script.body(1.05)
         for one, other in zip(first.arms, last.arms, strict=True):
@@ -69,9 +69,9 @@ def test_the_first_second_is_still_with_hands_apart(name):
 
 
 @every
-def test_motion_is_smooth_in_continuous_time(name):
+def test_motion_is_smooth_in_continuous_time(name, seeds):
     h = 1e-3
-    for seed in SEEDS:
+    for seed in seeds:
         played = performance(name, seed)
         for hand in played.script.plan.hands:
             times = np.arange(1.0, played.frames / played.fps, h * 17).tolist()
@@ -97,15 +97,15 @@ def test_it_is_the_same_motion_at_any_frame_rate(name):
 
 
 @every
-def test_all_is_over_before_the_sequence_ends(name):
-    for seed in SEEDS:
+def test_all_is_over_before_the_sequence_ends(name, seeds):
+    for seed in seeds:
         played = performance(name, seed)
         assert played.script.plan.cues[-1].to_s < played.frames / played.fps
 
 
 @every
-def test_the_hand_moves_at_its_declared_speed(name):
-    for seed in SEEDS:
+def test_the_hand_moves_at_its_declared_speed(name, seeds):
+    for seed in seeds:
         played, drawn = performance(name, seed), values(name, seed)
         times = np.arange(1.0, played.frames / played.fps, 0.02).tolist()
         fastest = max(
@@ -116,8 +116,8 @@ def test_the_hand_moves_at_its_declared_speed(name):
 
 
 @pytest.mark.parametrize("place", ["cheek", "chin", "mouth", "forehead"])
-def test_fingers_lie_on_the_face(place):
-    for seed in SEEDS:
+def test_fingers_lie_on_the_face(place, seeds):
+    for seed in seeds:
         played = performance("touch_face", seed, ("place", place))
         for touch in cues(played, "on_face"):
             assert touch.name == f"on_face:{place}"
@@ -134,8 +134,8 @@ def _side_that_moved(played, t_s):
     return int(hands[1].palm_m[2] > hands[0].palm_m[2])
 
 
-def test_touches_are_as_many_and_as_long_as_declared():
-    for seed in SEEDS:
+def test_touches_are_as_many_and_as_long_as_declared(seeds):
+    for seed in seeds:
         played, drawn = performance("touch_face", seed), values("touch_face", seed)
         touches = cues(played, "on_face")
         assert len(touches) == round(drawn["touches"]) >= 3
@@ -153,8 +153,8 @@ def test_a_touch_is_one_blob_with_the_face_in_both_views():
         assert view.merged[0, 1 + side]
 
 
-def test_the_phone_is_held_at_the_ear_for_3_to_15_s():
-    for seed in SEEDS:
+def test_the_phone_is_held_at_the_ear_for_3_to_15_s(seeds):
+    for seed in seeds:
         played, drawn = performance("phone_at_ear", seed), values("phone_at_ear", seed)
         (held,) = cues(played, "at_ear")
         assert held.to_s - held.from_s == pytest.approx(drawn["hold"])
@@ -171,8 +171,8 @@ def test_the_phone_is_held_at_the_ear_for_3_to_15_s():
             assert abs(phone.rotation[1, 2]) > 0.7  # its face towards the head
 
 
-def test_the_elbow_of_the_phone_s_arm_is_off_the_table_and_below_the_shoulder():
-    for seed in SEEDS:
+def test_the_elbow_of_the_phone_s_arm_is_off_the_table_and_below_the_shoulder(seeds):
+    for seed in seeds:
         played, drawn = performance("phone_at_ear", seed), values("phone_at_ear", seed)
         (held,) = cues(played, "at_ear")
         arm = played.script.body(held.from_s + 0.5).arms[("right", "left").index(drawn["hand"])]
@@ -180,8 +180,8 @@ def test_the_elbow_of_the_phone_s_arm_is_off_the_table_and_below_the_shoulder():
         assert arm.elbow_m[2] < arm.shoulder_m[2]
 
 
-def test_the_phone_lies_again_where_it_is_put():
-    for seed in SEEDS:
+def test_the_phone_lies_again_where_it_is_put(seeds):
+    for seed in seeds:
         played, drawn = performance("phone_at_ear", seed), values("phone_at_ear", seed)
         (hold,) = played.script.plan.holds
         first = played.script.pose(0.0).objects["phone"]
@@ -193,7 +193,6 @@ def test_the_phone_lies_again_where_it_is_put():
         assert np.linalg.norm(before.position_m - last.position_m) < 3e-3
 
 
-@pytest.mark.parametrize("seed", SEEDS)
 def test_the_hand_behind_the_head_is_hidden_for_1_to_6_s(seed):
     played = performance("hand_behind_head", seed)
     drawn = values("hand_behind_head", seed)

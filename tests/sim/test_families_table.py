@@ -60,8 +60,8 @@ def test_nominal_draws_can_be_posed(name):
 
 
 @every
-def test_the_first_second_is_still_with_hands_apart(name):
-    for seed in SEEDS:
+def test_the_first_second_is_still_with_hands_apart(name, seeds):
+    for seed in seeds:
         times, path = palms(name, seed)
         first = path[times <= 1.0]
         assert np.ptp(first, axis=0).max() < 1e-9
@@ -69,15 +69,15 @@ def test_the_first_second_is_still_with_hands_apart(name):
 
 
 @every
-def test_arms_reach_what_they_are_sent_to(name):
-    for seed in SEEDS:
+def test_arms_reach_what_they_are_sent_to(name, seeds):
+    for seed in seeds:
         assert max(a.short_m for b in bodies(name, seed)[1] for a in b.arms) < 0.01
 
 
 @every
-def test_motion_is_smooth_in_continuous_time(name):
+def test_motion_is_smooth_in_continuous_time(name, seeds):
     h = 1e-3
-    for seed in SEEDS:
+    for seed in seeds:
         played = performance(name, seed)
         for hand in played.script.plan.hands:
             times = np.arange(1.0, played.frames / played.fps, h * 17).tolist()
@@ -102,8 +102,8 @@ def test_it_is_the_same_motion_at_any_frame_rate(name):
             np.testing.assert_array_equal(one.elbow_m, other.elbow_m)
 
 
-def test_natural_speeds_are_half_a_metre_to_a_metre_a_second():
-    for seed in SEEDS:
+def test_natural_speeds_are_half_a_metre_to_a_metre_a_second(seeds):
+    for seed in seeds:
         top = values("natural_table", seed)["speed"]
         _, path = palms("natural_table", seed)
         assert 0.5 <= top <= 1.0
@@ -124,8 +124,8 @@ def test_natural_statistics_are_near_the_recorded_ones():
     assert 0.12 <= np.percentile(step, 90) <= 0.25
 
 
-def test_natural_hands_move_at_the_same_time_and_talk_between_the_reaches():
-    for seed in SEEDS:
+def test_natural_hands_move_at_the_same_time_and_talk_between_the_reaches(seeds):
+    for seed in seeds:
         _, path = palms("natural_table", seed)
         both = (speeds(path) > 0.05).all(axis=1)
         assert both.mean() > 0.25
@@ -143,8 +143,8 @@ def test_a_longer_natural_sequence_begins_like_a_shorter_one():
         np.testing.assert_array_equal(short.body(t).arms[0].palm_m, long.body(t).arms[0].palm_m)
 
 
-def test_the_idle_hand_does_not_stir_for_20_to_40_s_while_the_other_works():
-    for seed in SEEDS:
+def test_the_idle_hand_does_not_stir_for_20_to_40_s_while_the_other_works(seeds):
+    for seed in seeds:
         drawn = values("one_hand_idle", seed)
         side = ("right", "left").index(drawn["idle_hand"])
         assert 20.0 <= drawn["idle"] <= 40.0
@@ -198,7 +198,6 @@ def test_the_range_of_rounds_is_that_of_the_catalogue():
     assert parameters["wipe_size"].range[1] == 0.15
 
 
-@pytest.mark.parametrize("seed", SEEDS)
 def test_the_rod_goes_round_inside_the_cup(seed):
     played = performance("stir_and_wipe", seed, ("task", "stir"), ("other", "holds_cup"))
     cup = played.scene.room.objects[0]
@@ -213,7 +212,6 @@ def test_the_rod_goes_round_inside_the_cup(seed):
         assert abs(rod.rotation[2, 0]) > 0.9  # upright
 
 
-@pytest.mark.parametrize("seed", SEEDS)
 def test_the_cloth_lies_on_the_table_under_the_palm(seed):
     played = performance("stir_and_wipe", seed, ("task", "wipe"))
     (hold,) = (h for h in played.script.plan.holds if h.name == "cloth")
@@ -226,8 +224,8 @@ def test_the_cloth_lies_on_the_table_under_the_palm(seed):
         assert np.linalg.norm((palm.position_m - cloth.position_m)[:2]) < 0.03
 
 
-def test_the_torso_leans_up_to_30_degrees_and_the_head_moves_0_1_to_0_35_m():
-    for seed in SEEDS:
+def test_the_torso_leans_up_to_30_degrees_and_the_head_moves_0_1_to_0_35_m(seeds):
+    for seed in seeds:
         drawn = values("lean_and_reach", seed)
         _, posed = bodies("lean_and_reach", seed)
         heads = np.array([body.head.position_m for body in posed])
@@ -237,8 +235,8 @@ def test_the_torso_leans_up_to_30_degrees_and_the_head_moves_0_1_to_0_35_m():
         assert np.degrees(drawn["lean"]) - 1.0 <= tilt <= 32.0
 
 
-def test_the_reach_goes_far_out_on_the_table_and_comes_back():
-    for seed in SEEDS:
+def test_the_reach_goes_far_out_on_the_table_and_comes_back(seeds):
+    for seed in seeds:
         drawn = values("lean_and_reach", seed)
         _, path = palms("lean_and_reach", seed)
         farthest = path[..., 0].max()

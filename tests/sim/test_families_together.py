@@ -44,8 +44,8 @@ def speeds(path, dt_s):
 
 
 @every
-def test_draws_can_be_posed_and_end_within_the_frames(name):
-    for seed in SEEDS:
+def test_draws_can_be_posed_and_end_within_the_frames(name, seeds):
+    for seed in seeds:
         played = performance(name, seed)
         assert played.redrawn == 0
         assert max(cue.to_s for cue in played.script.plan.cues) < played.frames / played.fps
@@ -53,16 +53,16 @@ def test_draws_can_be_posed_and_end_within_the_frames(name):
 
 
 @every
-def test_the_first_second_shows_two_still_hands_apart(name):
-    for seed in SEEDS:
+def test_the_first_second_shows_two_still_hands_apart(name, seeds):
+    for seed in seeds:
         first = palms(performance(name, seed).script, np.linspace(0.0, 1.0, 6).tolist())
         assert np.ptp(first, axis=0).max() < 1e-9
         assert np.linalg.norm(first[0, 0] - first[0, 1]) >= 0.25
 
 
 @every
-def test_hands_move_without_jumps(name):
-    for seed in SEEDS:
+def test_hands_move_without_jumps(name, seeds):
+    for seed in seeds:
         script = performance(name, seed).script
         times = np.arange(0.5, 15.0, 0.11)
         # Also where one piece of the motion ends and the next begins.
@@ -84,8 +84,8 @@ def test_the_motion_is_the_same_at_any_frame_rate(name):
         np.testing.assert_array_equal(a.curls, b.curls)
 
 
-def test_clasped_hands_touch_for_the_declared_time_and_are_apart_before_and_after():
-    for seed in SEEDS:
+def test_clasped_hands_touch_for_the_declared_time_and_are_apart_before_and_after(seeds):
+    for seed in seeds:
         values = concrete(load_scenario("merge_and_hold"), seed)
         script, clasp = performance("merge_and_hold", seed).script, cues("merge_and_hold", seed)
         held = clasp["clasp"]
@@ -133,8 +133,8 @@ def test_a_tempo_counts_whole_cycles_and_starts_and_ends_with_no_speed_and_no_ac
         assert np.abs(np.diff(second)).max() < 0.05 * frequency**2
 
 
-def test_palms_meet_at_the_declared_tempo_as_often_as_declared():
-    for seed in SEEDS:
+def test_palms_meet_at_the_declared_tempo_as_often_as_declared(seeds):
+    for seed in seeds:
         values = concrete(load_scenario("clap"), seed)
         script = performance("clap", seed).script
         claps = [cue for cue in script.plan.cues if cue.name == "clap"]
@@ -161,8 +161,8 @@ def test_claps_keep_below_their_top_speed_and_open_less_the_faster_they_are():
     assert wide[2] < wide[1] - 0.1
 
 
-def test_forearms_roll_round_each_other_without_touching():
-    for seed in SEEDS:
+def test_forearms_roll_round_each_other_without_touching(seeds):
+    for seed in seeds:
         values = concrete(load_scenario("roll_forearms"), seed)
         script, roll = (
             performance("roll_forearms", seed).script,
@@ -180,8 +180,8 @@ def test_forearms_roll_round_each_other_without_touching():
         assert min(gap_m(script, t) for t in times) > 0.0
 
 
-def test_a_thing_passes_from_one_hand_to_both_to_the_other():
-    for seed in SEEDS:
+def test_a_thing_passes_from_one_hand_to_both_to_the_other(seeds):
+    for seed in seeds:
         values = concrete(load_scenario("pass_object"), seed)
         script, said = performance("pass_object", seed).script, cues("pass_object", seed)
         giver = ("right", "left").index(values["giver"])
@@ -204,8 +204,8 @@ def test_a_thing_passes_from_one_hand_to_both_to_the_other():
             assert "held_by:both" in script.events(t)
 
 
-def test_a_passed_thing_never_jumps_and_ends_upright_on_the_takers_side():
-    for seed in SEEDS:
+def test_a_passed_thing_never_jumps_and_ends_upright_on_the_takers_side(seeds):
+    for seed in seeds:
         script = performance("pass_object", seed).script
         outward = {"right": 1, "left": -1}[concrete(load_scenario("pass_object"), seed)["giver"]]
         holds = script.plan.holds

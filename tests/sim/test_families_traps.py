@@ -52,8 +52,8 @@ def merged(shot):
 
 
 @every
-def test_draws_can_be_posed_and_end_within_the_frames(name):
-    for seed in SEEDS:
+def test_draws_can_be_posed_and_end_within_the_frames(name, seeds):
+    for seed in seeds:
         played = performance(name, seed)
         assert played.redrawn == 0
         assert max(cue.from_s for cue in played.script.plan.cues) < played.frames / played.fps - 2.0
@@ -61,16 +61,16 @@ def test_draws_can_be_posed_and_end_within_the_frames(name):
 
 
 @every
-def test_the_first_second_shows_two_still_hands_apart(name):
-    for seed in SEEDS:
+def test_the_first_second_shows_two_still_hands_apart(name, seeds):
+    for seed in seeds:
         first = palms(performance(name, seed).script, np.linspace(0.0, 1.0, 6).tolist())
         assert np.ptp(first, axis=0).max() < 1e-9
         assert np.linalg.norm(first[0, 0] - first[0, 1]) >= 0.25
 
 
 @every
-def test_hands_move_without_jumps(name):
-    for seed in SEEDS:
+def test_hands_move_without_jumps(name, seeds):
+    for seed in seeds:
         script = performance(name, seed).script
         joints = [t for cue in script.plan.cues for t in (cue.from_s, cue.to_s)]
         before = np.append(np.arange(0.5, 15.0, 0.13), np.array(joints) - 5e-4)
@@ -183,10 +183,10 @@ def test_hands_are_out_of_sight_for_1_to_4_s():
         assert 0.9 <= total_s <= 4.4
 
 
-def test_swapped_hands_do_not_touch_and_come_out_at_the_same_places():
+def test_swapped_hands_do_not_touch_and_come_out_at_the_same_places(seeds):
     ends = {}
     for outcome in ("crossed", "same"):
-        for seed in SEEDS:
+        for seed in seeds:
             played = perform(load_scenario("swap_hidden"), seed, {"outcome": outcome})
             hidden, out = cues(played)["hidden"], cues(played)[f"out:{outcome}"]
             times = np.arange(hidden.from_s - 1.0, out.from_s + 0.5, 0.1).tolist()
@@ -195,7 +195,7 @@ def test_swapped_hands_do_not_touch_and_come_out_at_the_same_places():
             assert (right[1] > left[1]) == (outcome == "crossed")
             ends[outcome, seed] = sorted([right[1], left[1]])
             assert f"out:{outcome}" in played.script.events(out.from_s)
-    for seed in SEEDS:
+    for seed in seeds:
         np.testing.assert_allclose(ends["crossed", seed], ends["same", seed], atol=0.008)
 
 
@@ -205,8 +205,8 @@ def test_half_of_the_draws_come_out_crossed():
     assert 0.4 < drawn.count("crossed") / 200 < 0.6
 
 
-def test_parallel_hands_keep_their_gap_and_move_as_one_at_the_declared_speed():
-    for seed in SEEDS:
+def test_parallel_hands_keep_their_gap_and_move_as_one_at_the_declared_speed(seeds):
+    for seed in seeds:
         values = concrete(load_scenario("parallel"), seed)
         played = performance("parallel", seed)
         together, script = cues(played)["parallel"], played.script

@@ -67,9 +67,10 @@ def palms(played, side, times):
 
 
 @every
-def test_nearly_every_seed_is_posable_at_once(name):
+@pytest.mark.parametrize("count", [3, pytest.param(10, marks=pytest.mark.long)])
+def test_nearly_every_seed_is_posable_at_once(name, count):
     scenario = load_scenario(name)
-    assert sum(perform(scenario, seed).redrawn > 0 for seed in range(200, 212)) <= 1
+    assert sum(perform(scenario, seed).redrawn > 0 for seed in range(200, 200 + count)) <= 1
 
 
 @every
@@ -80,8 +81,8 @@ def test_the_motion_is_possible_between_frames_as_well(name):
 
 
 @every
-def test_hands_start_still_and_apart_and_move_without_jumps(name):
-    for seed in SEEDS:
+def test_hands_start_still_and_apart_and_move_without_jumps(name, seeds):
+    for seed in seeds:
         played = performance(name, seed)
         side = HANDS.index(drawn(name, seed)["hand"])
         first = [[a.palm_m for a in played.script.body(t).arms] for t in (0.0, 0.5, 1.0)]
@@ -106,7 +107,6 @@ def test_the_motion_does_not_depend_on_the_frame_rate(name):
             np.testing.assert_array_equal(a.rotation, b.rotation)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
 def test_the_post_hides_the_hand_in_one_view_alone_for_2_to_12_frames(seed):
     played, values = performance("one_view_occluder", seed), drawn("one_view_occluder", seed)
     lost, hand = CAMERAS.index(values["view"]), 1 + HANDS.index(values["hand"])
@@ -146,8 +146,8 @@ def test_either_hand_is_hidden_from_either_camera(hand, view):
     assert seen[1 - CAMERAS.index(view)] > 0.7
 
 
-def test_the_post_is_3_to_5_cm_wide_and_stands_on_the_table_near_the_rig():
-    for seed in SEEDS:
+def test_the_post_is_3_to_5_cm_wide_and_stands_on_the_table_near_the_rig(seeds):
+    for seed in seeds:
         scene = performance("one_view_occluder", seed).scene
         (post,) = scene.room.objects
         assert post.kind == "post"
@@ -171,7 +171,6 @@ def test_a_post_behind_the_hand_is_refused():
         performance("one_view_occluder", 200, rig_distance=1.1, post_distance=0.7, centre_x=0.46)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
 def test_under_the_table_a_hand_is_hidden_in_both_views_for_1_to_8_s(seed):
     played, values = performance("hand_under_table", seed), drawn("hand_under_table", seed)
     side = HANDS.index(values["hand"])
@@ -198,7 +197,6 @@ def test_from_under_the_table_a_hand_comes_back_elsewhere():
         assert min(moved) < 1e-9
 
 
-@pytest.mark.parametrize("seed", SEEDS)
 def test_a_hand_leaves_one_view_first_and_both_for_1_to_6_frames(seed):
     played, values = performance("leave_view", seed), drawn("leave_view", seed)
     side = HANDS.index(values["hand"])
@@ -216,8 +214,8 @@ def test_a_hand_leaves_one_view_first_and_both_for_1_to_6_frames(seed):
     assert not gone[-1].any()
 
 
-def test_where_it_left_the_first_view_the_second_still_shows_the_hand():
-    for seed in SEEDS:
+def test_where_it_left_the_first_view_the_second_still_shows_the_hand(seeds):
+    for seed in seeds:
         played, values = performance("leave_view", seed), drawn("leave_view", seed)
         side = HANDS.index(values["hand"])
         one = cues(played, "out:")[0]

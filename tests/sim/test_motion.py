@@ -61,8 +61,8 @@ def assert_same(a: Pose, b: Pose):
 
 
 @every
-def test_nothing_is_in_anything_by_more_than_5_mm(name):
-    for seed in SEEDS:
+def test_nothing_is_in_anything_by_more_than_5_mm(name, seeds):
+    for seed in seeds:
         script = performance(name, seed).script
         anatomy = script.scene.anatomy
         for body in bodies(name, seed)[1]:
@@ -72,8 +72,8 @@ def test_nothing_is_in_anything_by_more_than_5_mm(name):
 
 
 @every
-def test_arms_are_as_long_as_the_person_s_and_reach_their_targets(name):
-    for seed in SEEDS:
+def test_arms_are_as_long_as_the_person_s_and_reach_their_targets(name, seeds):
+    for seed in seeds:
         anatomy = performance(name, seed).scene.anatomy
         for body in bodies(name, seed)[1]:
             for arm in body.arms:
@@ -86,8 +86,8 @@ def test_arms_are_as_long_as_the_person_s_and_reach_their_targets(name):
 
 
 @every
-def test_the_first_second_shows_two_still_hands_apart_on_the_table(name):
-    for seed in SEEDS:
+def test_the_first_second_shows_two_still_hands_apart_on_the_table(name, seeds):
+    for seed in seeds:
         times, path = palms(name, seed)
         first = path[times <= 1.0]
         top = performance(name, seed).scene.room.table_height_m
@@ -98,8 +98,8 @@ def test_the_first_second_shows_two_still_hands_apart_on_the_table(name):
         assert (first[:, 1, 1] > 0).all()
 
 
-def test_calm_table_stays_below_its_speed_with_hands_15_cm_apart():
-    for seed in SEEDS:
+def test_calm_table_stays_below_its_speed_with_hands_15_cm_apart(seeds):
+    for seed in seeds:
         declared = concrete(load_scenario("calm_table"), seed)["speed"]
         _, path = palms("calm_table", seed)
         # Tremor (3 mm below 1.6 Hz) adds a little to what the stroke does.
@@ -110,8 +110,8 @@ def test_calm_table_stays_below_its_speed_with_hands_15_cm_apart():
 
 
 @pytest.mark.parametrize("name", ["cross", "bounce"])
-def test_crossing_hands_pass_the_middle_at_the_declared_speed(name):
-    for seed in SEEDS:
+def test_crossing_hands_pass_the_middle_at_the_declared_speed(name, seeds):
+    for seed in seeds:
         declared = concrete(load_scenario(name), seed)["speed"]
         played = performance(name, seed)
         event = cues("bounce", seed)["bounce"]
@@ -121,8 +121,8 @@ def test_crossing_hands_pass_the_middle_at_the_declared_speed(name):
         assert 0.6 * declared <= speeds(path, 0.01).max() <= 1.05 * declared + 0.02
 
 
-def test_drink_reaches_at_the_declared_speed_and_takes_16_to_20_s():
-    for seed in SEEDS:
+def test_drink_reaches_at_the_declared_speed_and_takes_16_to_20_s(seeds):
+    for seed in seeds:
         values = concrete(load_scenario("drink"), seed)
         _, path = palms("drink", seed)
         side = ("right", "left").index(values["hand"])
@@ -152,8 +152,8 @@ def test_the_ladder_climbs_through_its_rungs():
             assert label in played.script.events(rung.from_s)
 
 
-def test_cross_changes_sides_and_holds_and_bounce_does_not():
-    for seed in SEEDS:
+def test_cross_changes_sides_and_holds_and_bounce_does_not(seeds):
+    for seed in seeds:
         crossed = cues("cross", seed)["crossed"]
         assert crossed.to_s - crossed.from_s >= 0.5
         script = performance("cross", seed).script
@@ -166,8 +166,8 @@ def test_cross_changes_sides_and_holds_and_bounce_does_not():
         assert (path[:, 1, 1] > 0).all()
 
 
-def test_cross_keeps_its_declared_speed_all_the_way():
-    for seed in SEEDS:
+def test_cross_keeps_its_declared_speed_all_the_way(seeds):
+    for seed in seeds:
         declared = concrete(load_scenario("cross"), seed)["speed"]
         event, script = cues("cross", seed)["cross"], performance("cross", seed).script
         times = np.arange(event.from_s, event.to_s, 0.02).tolist()
@@ -175,8 +175,8 @@ def test_cross_keeps_its_declared_speed_all_the_way():
         assert speeds(path, 0.02).max() == pytest.approx(declared, rel=0.1, abs=0.02)
 
 
-def test_bounce_touches():
-    for seed in SEEDS:
+def test_bounce_touches(seeds):
+    for seed in seeds:
         script = performance("bounce", seed).script
         touch = cues("bounce", seed)["touch"]
         body = script.body(touch.from_s + 0.01)
@@ -186,8 +186,8 @@ def test_bounce_touches():
         assert -0.012 <= gap.hands_m <= 0.005
 
 
-def test_cross_and_bounce_are_one_scene_until_the_hands_merge():
-    for seed in SEEDS:
+def test_cross_and_bounce_are_one_scene_until_the_hands_merge(seeds):
+    for seed in seeds:
         cross, bounce = performance("cross", seed), performance("bounce", seed)
         assert cross.scene == bounce.scene
         merge_s = cues("bounce", seed)["bounce"].from_s
@@ -199,8 +199,8 @@ def test_cross_and_bounce_are_one_scene_until_the_hands_merge():
         assert norm(moved) > 0.01
 
 
-def test_the_can_stands_goes_with_the_hand_and_stands_again():
-    for seed in SEEDS:
+def test_the_can_stands_goes_with_the_hand_and_stands_again(seeds):
+    for seed in seeds:
         script = performance("drink", seed).script
         (hold,) = script.plan.holds
         top = script.scene.room.table_height_m
@@ -220,8 +220,8 @@ def test_the_can_stands_goes_with_the_hand_and_stands_again():
             assert norm(script.pose(t + 1e-6).objects["can"].position_m - before) < 0.002
 
 
-def test_the_can_is_held_to_the_mouth_for_about_eight_frames():
-    for seed in SEEDS:
+def test_the_can_is_held_to_the_mouth_for_about_eight_frames(seeds):
+    for seed in seeds:
         played = performance("drink", seed)
         drink = cues("drink", seed)["drink"]
         assert 1.5 <= drink.to_s - drink.from_s <= 5.0
@@ -280,8 +280,8 @@ def test_the_torso_leans_where_an_arm_would_be_stretched():
     assert head.position_m[0] > leant.position_m[0]
 
 
-def test_the_head_sways_within_its_amplitude():
-    for seed in SEEDS:
+def test_the_head_sways_within_its_amplitude(seeds):
+    for seed in seeds:
         declared = concrete(load_scenario("speed_ladder"), seed)["head_sway"]
         times, posed = bodies("speed_ladder", seed)
         heads = np.array([body.head.position_m for body in posed])[times < 1.0]

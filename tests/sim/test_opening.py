@@ -58,8 +58,8 @@ def test_an_unknown_word_is_refused():
 
 @every
 @pytest.mark.parametrize("name", NAMES)
-def test_a_person_can_make_every_opening(name, kind):
-    for seed in SEEDS:
+def test_a_person_can_make_every_opening(name, kind, seeds):
+    for seed in seeds:
         performer = opened(name, seed, kind)
         times = np.arange(0.0, later(kind) + 0.3, 1 / 15).tolist()
         assert fault_of(performer, times) is None
@@ -88,8 +88,8 @@ def test_the_plan_follows_unchanged_but_later(kind):
 
 
 @every
-def test_told_paths_have_no_jumps_of_speed(kind):
-    for seed in SEEDS:
+def test_told_paths_have_no_jumps_of_speed(kind, seeds):
+    for seed in seeds:
         for hand in opened("cross", seed, kind).plan.hands:
             times = np.arange(0.0, later(kind) + 0.5, 0.002)
             path = np.array([hand.at(t).position_m for t in times])
