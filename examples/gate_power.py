@@ -31,7 +31,7 @@ from reports.results import RunInfo, SavedRun, load, save
 from reports.rows import EpisodeRows, rows_of
 from scenarios.concrete import perform
 from scenarios.play import Job, System, digest_of, play_footage
-from scenarios.run import RunRequest, plan
+from scenarios.run import RunRequest, entry_of, plan
 from sim.sequence import Simulation
 
 PRESET = "thesis"
@@ -413,8 +413,9 @@ def main() -> None:
             for name, row in rows.items():
                 played[name].append(row)
             sys.stderr.write(f"\r{n} of {len(jobs)} episodes")
+    entries = {job.name: entry_of(job) for job in jobs}
     runs = {
-        name: load(save(words.out / f"{n:02d}", rows, RunInfo(name)))
+        name: load(save(words.out / f"{n:02d}", rows, RunInfo(name, entries=entries)))
         for n, (name, rows) in enumerate(played.items())
     }
     report(runs)

@@ -219,7 +219,7 @@ def record(
             "settings": list(request.settings),
         },
         suites=suites_of(request.targets),
-        entries={job.name: _entry(job) for job in jobs},
+        entries={job.name: entry_of(job) for job in jobs},
     )
     if not request.slim:
         return load(save(folder, played.rows, info, force=force))
@@ -235,7 +235,7 @@ def suites_of(targets: Sequence[str]) -> list[dict[str, object]]:
     return [{key: one[key] for key in ("name", "version", "digest")} for one in stamps]
 
 
-def _entry(job: Job) -> dict[str, object]:
+def entry_of(job: Job) -> dict[str, object]:
     """What an episode is of, and what is changed of it: by a suite, or by --set."""
     scenario = job.scenario
     return {
