@@ -152,7 +152,6 @@ def test_fast_finish_merges_and_then_grows_from_0_8_to_2_5_mps_up_to_the_end(see
             assert speeds(told(played, side, end_s - 3.0, end_s)[1]).max() > 1.8
 
 
-@pytest.mark.parametrize("seed", SEEDS[:2])
 def test_fast_finish_merges_in_both_views_and_then_hides_hands_in_part(seed):
     played = performance("fast_finish", seed)
     (merge,) = cues(played, "merge")

@@ -225,6 +225,19 @@ def test_bone_frames_point_along_the_bone_with_z_up(x):
     assert frame[2, 2] >= -1e-6  # nearer than that to upright, z points back or forward
 
 
+def test_a_wrist_at_its_limit_turns_the_hand_without_a_step():
+    """A hand dipped further and further is turned back by what is too much, from nothing."""
+    joint, palm = np.array([0.0, -0.19, 1.0]), np.array([0.3, -0.2, 0.95])
+    turned = []
+    for dip in np.arange(-0.3, 0.6, 1e-3).tolist():
+        wanted = hand_rotation(0, 0.0, dip, 0.0)
+        hand = solve_arm(PERSON, 0, joint, palm, wanted, 0.5).hand
+        turned.append(math.acos(min(1.0, 0.5 * (float(np.trace(hand.T @ wanted)) - 1.0))))
+    assert turned[0] < 1e-6
+    assert turned[-1] > 0.2
+    assert np.abs(np.diff(turned)).max() < 2.5e-3
+
+
 def test_rotation_about_an_axis_agrees_with_the_plain_ones():
     for axis, plain in ((0, about_x), (1, about_y), (2, about_z)):
         np.testing.assert_allclose(about(np.eye(3)[axis], 0.7), plain(0.7), atol=1e-12)

@@ -124,10 +124,11 @@ def test_an_absurd_speed_is_a_fault_even_between_two_frames():
 
 
 def test_an_arm_forced_behind_the_back_is_a_fault():
-    turned = hand_rotation(0, 0.0, 0.0, 0.0)
-    behind = HandState(np.array([-0.42, -0.30, 0.80]), quaternion_of(turned), np.zeros(5))
-    fault = fault_of(performer(stroke_to(behind)), TIMES)
-    assert "the right upper arm goes backward by" in str(fault)
+    """Straight back from the shoulder, fingers back: however the elbow turns."""
+    turned = hand_rotation(0, math.pi, 0.0, 0.0)
+    behind = HandState(np.array([-0.60, -0.35, 1.0]), quaternion_of(turned), np.zeros(5))
+    fault = fault_of(performer(HandPlanner(behind).path()), TIMES)
+    assert "the right upper arm goes backward by 8" in str(fault)
 
 
 def test_what_is_left_inside_is_a_fault_that_names_both_parts():
