@@ -215,8 +215,7 @@ def _log_film(log: _Log, view: str, v: int, camera: Camera, film: Mapping[int, b
 def _picture(sheet: bytes, v: int, camera: Camera) -> bytes:
     """One view of a film's frame (`reports.stills`) at its camera's size, as JPEG."""
     views = cv2.imdecode(np.frombuffer(sheet, np.uint8), cv2.IMREAD_COLOR)
-    if views is None:
-        raise BenchError("a film's picture is damaged: play the run again.")
+    assert views is not None, "a run's films are checked when it is read"
     height = round(VIEW_WIDTH_PX * camera.height_px / camera.width_px)
     small = views[:height, v * VIEW_WIDTH_PX : (v + 1) * VIEW_WIDTH_PX]
     size = (camera.width_px, camera.height_px)  # what lies on it is in the camera's pixels
@@ -253,10 +252,7 @@ def _log_points(
     cloud = log.rr.Points3D
     for t, target in enumerate(TARGETS):
         there = np.isfinite(points_m[:, t]).all(axis=1)
-        # Colour is never the only sign; two letters at one place would hide each other.
-        words = {"labels": [LETTERS[t]], "show_labels": True} if kind == "estimate" else {}
-        looks = cloud.from_fields(colors=[colours[t]], radii=[radius_m], **words)
-        log.always((kind, target), looks)
+        log.always((kind, target), cloud.from_fields(colors=[colours[t]], radii=[radius_m]))
         columns = cloud.columns(positions=points_m[there, t])
         log.per_frame((kind, target), columns, there.astype(int).tolist())
 
@@ -303,7 +299,9 @@ def _log_covariances(log: _Log, points_m: Floats) -> None:
             quaternions=Rotation.from_matrix(axes).as_quat() if there.any() else np.zeros((0, 4)),
         )
         parts = ("covariance", target)
-        log.always(parts, solid.from_fields(colors=[ESTIMATE_RGB[t]]))
+        # Colour is not the only sign. In the pictures, letters would cover the hands.
+        looks = {"colors": [ESTIMATE_RGB[t]], "labels": [LETTERS[t]], "show_labels": True}
+        log.always(parts, solid.from_fields(**looks))
         log.per_frame(parts, columns, there.astype(int).tolist())
 
 

@@ -200,8 +200,29 @@ def report(
     out: Annotated[
         Path | None, typer.Option(help="Where the page goes [RUN/report.html, of one run].")
     ] = None,
+    rerun: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.rrd",
+            help="Instead of a page: a recording of one run for the viewer Rerun.",
+        ),
+    ] = None,
 ) -> None:
-    """Make the report page of a saved run again, or one page of several side by side."""
+    """Make the report page of a saved run again, or one page of several side by side.
+
+    With --rerun a new file with cameras, films, paths, errors and events instead, to be opened with
+    `rerun FILE.rrd`; needs the extra `viz`.
+    """
+    if rerun is not None:
+        if len(runs) != 1 or out is not None:
+            raise BenchError("--rerun takes one run, and goes without --out.")
+        from reports.rerun_log import write_rerun
+        from reports.results import load
+        from scenarios.show import told_of_signals
+
+        with told_of_signals(rerun):
+            typer.echo(f"recording: {write_rerun(load(runs[0]), rerun)}")
+        return
     from scenarios.run import remake_report
 
     typer.echo(f"report: {remake_report(runs, out)}")
@@ -423,7 +444,7 @@ def scenarios_measure(
     surveys = [survey(load_scenario(n), range(seeds)) for n in names or scenario_names()]
     console = Console()
     # A pipe has no width: the table is kept whole there.
-    console = console if console.is_terminal else Console(width=120)
+    console = console if console.is_terminal else Console(width=140)
     console.print(survey_table(surveys))
     if any(found.faults for found in surveys):
         raise typer.Exit(1)

@@ -166,7 +166,7 @@ FAULTS = [
     (("cross", "--film", "out.png", "--set", "tracker.gate=1"), ("tracker.gate",)),
     (("cross", "--film", "out.png", "--seed", "-1"), ("seed",)),
     (("cross", "--frames", "1:2"), ("--film",)),
-    (("cross", "--set", "speed=0.3"), ("--film",)),
+    (("cross", "--set", "tracker.gate=1"), ("tracker.gate",)),
 ]
 
 
