@@ -15,8 +15,10 @@ def readonly(
 ) -> NDArray[Any]:
     """Copy `value`, check its shape (None = any length) and clear the write flag.
 
-    Raises ValueError naming the field, the expected and the given shape.
+    Raises ValueError naming the field, the expected and the given shape, or for complex numbers.
     """
+    if np.iscomplexobj(value):
+        raise ValueError(f"{name} must be real, got complex numbers")
     array: NDArray[Any] = np.array(value, dtype=dtype)
     fits = array.shape == shape or (
         len(shape) == array.ndim

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import importlib
+import sysconfig
+import traceback
 from collections.abc import Callable, Iterable, Mapping
 from importlib.metadata import entry_points
+from pathlib import Path
 from typing import Any, cast
 
 from pjpdaf.camera import Camera
@@ -28,8 +31,30 @@ TRACKERS = "pjpdaf_bench.trackers"
 Factory = Callable[[tuple[Camera, ...]], Any]
 
 
+_OURS = str(Path(__file__).parent)
+_LIBRARIES = (sysconfig.get_path("stdlib"), sysconfig.get_path("purelib"), "<")
+
+
 class UnknownPart(BenchError):
     """A detector or tracker that cannot be found, imported or built."""
+
+
+class NoSuchPart(UnknownPart):
+    """Nothing has this name."""
+
+
+def described(fault: BaseException) -> str:
+    """An exception of somebody else's code in one line: type, text, file and line of that code."""
+    try:
+        text = " ".join(str(fault).split())
+    except Exception:  # of their own __str__
+        text = ""
+    where = traceback.extract_tb(fault.__traceback__)[1:]  # the first is the caller's `try`
+    theirs = [f for f in where if not f.filename.startswith((_OURS, *_LIBRARIES))]
+    # Where all of it is installed, the deepest place is all there is.
+    last = (theirs or where)[-1:]
+    place = f" ({Path(last[0].filename).name}:{last[0].lineno})" if last else ""
+    return f"{type(fault).__name__}{': ' if text else ''}{text[:200]}{place}"
 
 
 def names(group: str) -> tuple[str, ...]:
@@ -90,7 +115,13 @@ def _refuse_overrides(
 def _build(
     kind: str, group: str, name: str, cameras: tuple[Camera, ...], methods: tuple[str, ...]
 ) -> object:
-    part = _factory(kind, group, name)(cameras)
+    factory = _factory(kind, group, name)
+    try:
+        part = factory(cameras)
+    except BenchError:
+        raise
+    except (Exception, SystemExit) as fault:
+        raise UnknownPart(f"The {kind} {name!r} cannot be built: {described(fault)}.") from fault
     missing = [method for method in methods if not callable(getattr(part, method, None))]
     if missing:
         raise UnknownPart(f"The {kind} {name!r} lacks {', '.join(missing)}; see pjpdaf.interfaces.")
@@ -101,23 +132,35 @@ def _factory(kind: str, group: str, name: str) -> Factory:
     for point in entry_points(group=group):
         if point.name == name:
             try:
-                return _callable(kind, name, point.load())
-            except (ImportError, AttributeError) as fault:
-                raise UnknownPart(f"The {kind} {name!r} cannot be loaded: {fault}.") from fault
+                found = point.load()
+            except (Exception, SystemExit) as fault:
+                raise UnknownPart(
+                    f"The {kind} {name!r} cannot be loaded: {described(fault)}."
+                ) from fault
+            return _callable(kind, name, found)
     module, colon, factory = name.partition(":")
     if not colon:
-        raise UnknownPart(
+        raise NoSuchPart(
             f"No {kind} {name!r}.{did_you_mean(name, names(group))} "
             "A factory of your own is written module:factory."
         )
     try:
         found = importlib.import_module(module)
     except (ImportError, ValueError) as fault:
-        raise UnknownPart(f"The {kind} {name!r} cannot be imported: {fault}.") from fault
+        gone = isinstance(fault, ModuleNotFoundError) and fault.name == module
+        kind_of_fault = NoSuchPart if gone else UnknownPart
+        raise kind_of_fault(f"The {kind} {name!r} cannot be imported: {fault}.") from fault
+    except (Exception, SystemExit) as fault:  # whatever their module does when it is imported
+        raise UnknownPart(f"The {kind} {name!r} cannot be imported: {described(fault)}.") from fault
     if not hasattr(found, factory):
-        public = [word for word in vars(found) if not word.startswith("_")]
-        raise UnknownPart(f"No {factory!r} in {module!r}.{did_you_mean(factory, public)}")
+        public = [word for word, value in vars(found).items() if _is_factory(word, value, module)]
+        raise NoSuchPart(f"No {factory!r} in {module!r}.{did_you_mean(factory, public)}")
     return _callable(kind, name, getattr(found, factory))
+
+
+def _is_factory(word: str, value: object, module: str) -> bool:
+    """Whether a module's name could be meant: a function or class of its own."""
+    return not word.startswith("_") and getattr(value, "__module__", None) == module
 
 
 def _callable(kind: str, name: str, found: object) -> Factory:

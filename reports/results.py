@@ -52,6 +52,7 @@ TABLES = {
 # A slim run has what the gate reads, small enough for git.
 SLIM_TABLES = ("episodes", "events", "tracking")
 ROW_GROUP = 65536
+_ASKED = ("targets", "seeds", "first_seed", "only", "settings", "preset", "detector", "tracker")
 
 
 @dataclass(frozen=True)
@@ -140,6 +141,8 @@ def save_slim(run: SavedRun, folder: Path, *, force: bool = False) -> Path:
     """
     folder = Path(os.path.abspath(folder))  # noqa: PTH100 - as in save
     check_free(folder, force=force)
+    if not run.slim and folder.exists() and folder.samefile(run.folder):
+        raise BenchError(f"{folder}: is the whole run itself; give another folder for its copy.")
     # The digests are in run.json, and the drawn values follow from them.
     episodes = run.episodes.assign(digest="", values_json="{}")
     tables = {"episodes": episodes, "events": run.events, "tracking": run.tracking}
@@ -204,6 +207,7 @@ def load(folder: Path) -> SavedRun:
         else schema.empty_table().to_pandas()
         for name, schema in TABLES.items()
     }
+    _check_episodes(folder, meta, tables["episodes"])
     return SavedRun(folder, meta, **tables)
 
 
@@ -418,8 +422,10 @@ def _publish(part: Path, folder: Path) -> None:
 
 def _load_meta(folder: Path) -> dict[str, Any]:
     path = folder / "run.json"
+    if folder.is_file():
+        raise BenchError(f"{folder}: is a file; give the folder of a saved run.")
     if not folder.is_dir():
-        raise BenchError(f"{folder}: no such run.")
+        raise BenchError(f"{folder}: no such run; give the folder that `run --out` made.")
     if not path.is_file():
         raise BenchError(f"{folder}: is not a saved run: it has no run.json.")
     try:
@@ -431,7 +437,7 @@ def _load_meta(folder: Path) -> dict[str, Any]:
     if meta.get("schema_version") != SCHEMA_VERSION:
         raise BenchError(
             f"{path}: schema version {meta.get('schema_version')!r}; "
-            f"this version reads {SCHEMA_VERSION}."
+            f"this version reads {SCHEMA_VERSION}: play the run again."
         )
     shapes = {"name": str, "files": dict, "scenarios": list, "pictures": list, "timing": list}
     shapes |= {"films": list, "provenance": dict}
@@ -442,6 +448,7 @@ def _load_meta(folder: Path) -> dict[str, Any]:
     for needed in [f"{name}.parquet" for name in _tables_in(meta)]:
         if needed not in listed:
             raise BenchError(f"{path}: is damaged: {needed} is not listed.")
+    _check_scenarios(path, meta)
     for what, entries in (("picture", meta["pictures"]), ("film", meta["films"])):
         for entry in entries:
             if not isinstance(entry, dict) or entry.get("file") not in listed:
@@ -449,19 +456,63 @@ def _load_meta(folder: Path) -> dict[str, Any]:
     return meta
 
 
+def _check_scenarios(path: Path, meta: Mapping[str, Any]) -> None:
+    """The parts of run.json that are read by key further on."""
+    for one in meta["scenarios"]:
+        if not (isinstance(one, dict) and isinstance(one.get("name"), str)):
+            raise BenchError(f"{path}: is damaged: a scenario has no name.")
+        seeds = one.get("seeds")
+        if not (isinstance(seeds, list) and all(type(seed) is int for seed in seeds)):
+            raise BenchError(f"{path}: is damaged: the seeds of {one['name']} are no list.")
+        for what in ("digests", "truths"):
+            told = one.get(what)
+            if not (isinstance(told, list) and len(told) == len(seeds)):
+                raise BenchError(
+                    f"{path}: is damaged: {what} of {one['name']} are not one a seed; "
+                    "play the run again."
+                )
+    suites = meta.get("suites", [])
+    if not (isinstance(suites, list) and all(_is_suite(suite) for suite in suites)):
+        raise BenchError(f"{path}: is damaged: the suites have no name, version and digest.")
+    request = meta.get("request", {})
+    if request and not (isinstance(request, dict) and {*_ASKED} <= {*request, *meta}):
+        raise BenchError(f"{path}: is damaged: 'request' does not say what was asked for.")
+    if not isinstance(meta["provenance"].get("versions"), dict):
+        raise BenchError(f"{path}: is damaged: 'provenance' has no versions.")
+
+
+def _is_suite(suite: object) -> bool:
+    return isinstance(suite, dict) and {"name", "version", "digest"} <= {*suite}
+
+
+def _check_episodes(folder: Path, meta: Mapping[str, Any], episodes: pd.DataFrame) -> None:
+    """The gate pairs by run.json and reads the tables: both must have the same episodes."""
+    told = sorted((one["name"], seed) for one in meta["scenarios"] for seed in one["seeds"])
+    rows = zip(episodes["scenario"], episodes["seed"], episodes["target"], strict=True)
+    there = sorted((str(name), int(seed), str(target)) for name, seed, target in rows)
+    if there != sorted((*key, target) for key in told for target in TARGETS):
+        raise BenchError(
+            f"{folder / 'run.json'}: is damaged: its episodes are not those of episodes.parquet; "
+            "play the run again."
+        )
+
+
 def _check_file(folder: Path, name: str, entry: Any) -> None:
     path = folder / name
     if Path(name).is_absolute() or ".." in Path(name).parts:
         raise BenchError(f"{folder / 'run.json'}: lists {name!r}, which is outside the run.")
     if not path.is_file():
-        raise BenchError(f"{path}: is missing; the run is damaged.")
+        raise BenchError(f"{path}: is missing; copy the run again, or play it again.")
     wanted = entry.get("sha256") if isinstance(entry, dict) else None
     try:
         found = _sha256(path)
     except OSError as error:
         raise BenchError(f"{path}: cannot be read: {error.strerror or error}.") from error
     if found != wanted:
-        raise BenchError(f"{path}: is damaged: its checksum is not the one in run.json.")
+        raise BenchError(
+            f"{path}: is damaged: its checksum is not the one in run.json; copy the run again, or "
+            "play it again."
+        )
 
 
 def _load_table(path: Path, schema: pa.Schema) -> pd.DataFrame:

@@ -92,6 +92,9 @@ def run(
             "page plays them.",
         ),
     ] = False,
+    time_limit: Annotated[
+        float, typer.Option(help="How long one episode may take [s]; then it has failed.")
+    ] = 900.0,
 ) -> None:
     """Play scenarios, score them, print the table, save the run and its report.
 
@@ -114,6 +117,7 @@ def run(
             only=tuple(only or ()),
             slim=slim,
             films=films,
+            time_limit_s=time_limit,
         )
     )
 

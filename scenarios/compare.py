@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from pjpdaf.errors import BenchError
 from reports.files import disk_faults, written_whole_file
 from reports.formats import (
     badge_json,
@@ -60,6 +61,8 @@ def compare_runs(request: CompareRequest) -> int:
     margins |= read_margins(request.margins)
     base, new = load(request.base), load(request.new)
     out = request.out or request.new
+    if out.exists() and not out.is_dir():
+        raise BenchError(f"{out}: is a file; give --out a folder.")
     refused = ""
     if request.escalate:
         verdict, refused = _escalated(base, new, margins, request.jobs, out / "reserve")
@@ -69,8 +72,8 @@ def compare_runs(request: CompareRequest) -> int:
     console = Console()
     console.print(verdict_table(verdict))
     for note in verdict.notes:
-        console.print(f"note: {note}", highlight=False, markup=False)
-    console.print(sentence(verdict), style=STYLES[verdict.verdict], highlight=False)
+        console.print(f"note: {note}", highlight=False, markup=False, soft_wrap=True)
+    console.print(sentence(verdict), style=STYLES[verdict.verdict], highlight=False, soft_wrap=True)
     console.print(
         f"written: {', '.join(str(out / name) for name in FILES)}",
         highlight=False,

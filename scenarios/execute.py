@@ -6,21 +6,21 @@ import multiprocessing
 import os
 import signal
 import threading
-import traceback
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import TimeoutError as FutureTimeout
 from concurrent.futures import wait
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
 from pjpdaf.errors import BenchError, InfrastructureError
+from pjpdaf.registry import described
 from reports.records import EpisodeFailure
 from reports.results import films_to_keep
 from reports.rows import EpisodeRows, rows_of
 from scenarios.play import Job, digest_of, play
+from scenarios.plugged import PlugInFault
 from sim.contact import Unposable
 
 EPISODE_TIME_LIMIT_S = 900.0
@@ -89,10 +89,11 @@ def _play_safely(job: Job) -> EpisodeRows | BenchError:
         # Errors with fields of their own do not survive pickling; line and exit code suffice.
         kind = InfrastructureError if fault.exit_code == 5 else BenchError
         return kind(str(fault))
-    except Exception as fault:
-        where = traceback.extract_tb(fault.__traceback__)[-1]
-        place = f"{Path(where.filename).name}:{where.lineno}"
-        return _failure(job, f"{type(fault).__name__}: {fault} ({place})")
+    except PlugInFault as fault:
+        return _failure(job, str(fault))
+    except (Exception, SystemExit, KeyboardInterrupt) as fault:
+        # Of a plug-in, too: Ctrl-C does not reach a worker, and nothing of ours exits here.
+        return _failure(job, described(fault))
 
 
 def check_renderer() -> str:
@@ -160,7 +161,9 @@ def _outcome(
     try:
         result: EpisodeRows | BenchError = future.result()
     except FutureTimeout:
-        return _failure(job, f"not finished within {time_limit_s:.0f} s")
+        return _failure(
+            job, f"not finished within {time_limit_s:.0f} s; --time-limit gives it more"
+        )
     except ProcessExpired as death:
         if attempt < ATTEMPTS:
             return None

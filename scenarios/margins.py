@@ -25,7 +25,11 @@ def load_margins(path: Path) -> Mapping[str, float]:
 
     Raises BenchError with the place of the first fault.
     """
-    margins = parse(read_text(path), str(path), Margins).margins
+    text = read_text(path)
+    try:
+        margins = parse(text, str(path), Margins).margins
+    except BenchError as fault:
+        raise BenchError(f"{fault} (it is written as `margins: {{error_mm: 2.5}}`)") from None
     try:
         with_margins(margins)
     except BenchError as fault:
@@ -41,9 +45,12 @@ def read_margins(pairs: tuple[str, ...]) -> Mapping[str, float]:
         try:
             number = float(value)
         except ValueError:
-            number = float("nan")
+            raise BenchError(f"--margin {pair}: must be METRIC=VALUE, a number") from None
         if not equals or name in found:
             raise BenchError(f"--margin {pair}: must be METRIC=VALUE, each metric once")
         found[name] = number
-    with_margins(found)
+        try:
+            with_margins({name: number})
+        except BenchError as fault:
+            raise BenchError(f"--margin {pair}: {fault}") from None
     return found

@@ -12,7 +12,9 @@ from typing import Any, Protocol
 from pjpdaf.camera import StereoRig
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detector, Estimates, Tracker
+from pjpdaf.parameters import PRESETS
 from pjpdaf.registry import make_detector, make_tracker
+from pjpdaf.tracker import PJPDAF
 from reports.overlay import overlay_jpeg
 from reports.records import Episode, FrameOutcome, Picture, Still
 from reports.stills import still
@@ -20,6 +22,7 @@ from scenarios.blame import blame
 from scenarios.budget import error_budget
 from scenarios.concrete import concrete, perform
 from scenarios.parameters import File
+from scenarios.plugged import CheckedDetector, CheckedTracker, PlugInFault
 from scenarios.spec import Scenario, contents, digest
 from sim.script import Performance
 from sim.sequence import Simulation
@@ -83,9 +86,17 @@ def digest_of(job: Job) -> str:
 
 
 def parts_of(system: System, rig: StereoRig) -> tuple[Detector, Tracker[Any]]:
-    """Detector (background not learnt yet) and tracker for these cameras."""
+    """Detector (background not learnt yet) and tracker for these cameras.
+
+    What a plug-in answers is checked; but for a PJPDAF, whose parts the oracle replaces.
+    """
     detector = make_detector(system.detector, rig.cameras, system.detector_settings)
+    if system.detector not in PRESETS:
+        name = f"detector {system.detector!r}"
+        detector = CheckedDetector(name, detector, len(rig.cameras))
     tracker = make_tracker(system.tracker, rig.cameras, system.tracker_settings)
+    if not isinstance(tracker, PJPDAF):
+        tracker = CheckedTracker(f"tracker {system.tracker!r}", tracker)
     return detector, tracker
 
 
@@ -137,15 +148,18 @@ def play_footage(job: Job, footage: Footage) -> Episode:
         frame, truth = pair
         rendered = time.perf_counter()
         dt_s = 0.0 if previous_s is None else frame.time_s - previous_s
-        expected = tracker.predict(state, dt_s) if state is not None else None
-        predicted = time.perf_counter()
-        seen = detector(frame, expected)
-        detected = time.perf_counter()
-        if state is None:
-            state = tracker.start(seen)
-            estimates = Estimates.waiting() if state is None else tracker.estimates(state)
-        else:
-            state, estimates = tracker.step(state, seen, dt_s)
+        try:
+            expected = tracker.predict(state, dt_s) if state is not None else None
+            predicted = time.perf_counter()
+            seen = detector(frame, expected)
+            detected = time.perf_counter()
+            if state is None:
+                state = tracker.start(seen)
+                estimates = Estimates.waiting() if state is None else tracker.estimates(state)
+            else:
+                state, estimates = tracker.step(state, seen, dt_s)
+        except PlugInFault as fault:
+            raise PlugInFault(f"frame {frame.index}: {fault}") from fault
         tracked = time.perf_counter()
         previous_s = frame.time_s
         stages_s = {

@@ -23,7 +23,7 @@ from reports.rows import EpisodeRows
 from reports.tables import count, rich_table, summarise
 from scenarios.catalogue import resolve
 from scenarios.concrete import SETTINGS, concrete, in_si, perform, setting_of
-from scenarios.execute import Played, play_all
+from scenarios.execute import EPISODE_TIME_LIMIT_S, Played, play_all
 from scenarios.filming import rig_of
 from scenarios.lock import stamp
 from scenarios.parameters import File, nearest
@@ -36,6 +36,7 @@ from sim.rig import stereo_rig
 
 MAX_SEEDS = 100_000
 MAX_FIRST_SEED = 2**31
+MAX_TIME_LIMIT_S = 86_400.0
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,7 @@ class RunRequest:
     only: tuple[str, ...] = ()
     slim: bool = False
     films: bool = False
+    time_limit_s: float = EPISODE_TIME_LIMIT_S
 
 
 @dataclass(frozen=True)
@@ -113,6 +115,11 @@ def plan(request: RunRequest) -> list[Job]:
     if not 0 <= request.first_seed <= MAX_FIRST_SEED:
         raise BenchError(
             f"--first-seed must be between 0 and {MAX_FIRST_SEED}, got {request.first_seed}"
+        )
+    if not 0 < request.time_limit_s <= MAX_TIME_LIMIT_S:
+        raise BenchError(
+            f"--time-limit must be above 0 s, at most {MAX_TIME_LIMIT_S:g}, got "
+            f"{request.time_limit_s:g}"
         )
     settings = read_settings(request.settings)
     parts = _chosen([part for name in request.targets for part in parts_of(name)], request.only)
@@ -270,7 +277,7 @@ def run_suite(request: RunRequest) -> None:
     signal.signal(signal.SIGTERM, _interrupt)
     console = Console(stderr=True)
     started = time.perf_counter()
-    played = _play_with_progress(jobs, workers, console)
+    played = _play_with_progress(jobs, workers, console, request.time_limit_s)
     if not played.rows:
         raise Interrupted("interrupted before any episode was finished; nothing saved")
     wall_s = time.perf_counter() - started
@@ -315,7 +322,9 @@ class Interrupted(BenchError):
     exit_code = 130
 
 
-def _play_with_progress(jobs: Sequence[Job], workers: int, console: Console) -> Played:
+def _play_with_progress(
+    jobs: Sequence[Job], workers: int, console: Console, time_limit_s: float
+) -> Played:
     with progress_bar(console) as progress:
         task = progress.add_task("starting", total=len(jobs))
 
@@ -323,7 +332,7 @@ def _play_with_progress(jobs: Sequence[Job], workers: int, console: Console) -> 
             label = f"{row.scenario} seed {row.seed}"
             progress.update(task, advance=1, description=label)
 
-        return play_all(jobs, workers, on_done)
+        return play_all(jobs, workers, on_done, time_limit_s)
 
 
 def remake_report(run_folders: Sequence[Path], out: Path | None) -> Path:

@@ -147,11 +147,11 @@ def test_suites_of_other_versions_or_content_are_not_compared(runs):
 
 
 def test_another_simulator_or_other_metrics_are_not_compared(runs):
-    moved = with_scenarios(runs["again"], truths=["b"] * 8)
-    base = with_scenarios(runs["base"], truths=["a"] * 8)
+    moved = with_scenarios(runs["again"], truths=["10 20 35"] * 8)
+    base = with_scenarios(runs["base"], truths=["10 20 30"] * 8)
     with pytest.raises(NotComparable, match="24 of 24 episodes moved differently, the first: calm"):
         compare(base, moved)
-    crashed = with_scenarios(runs["again"], truths=["a"] * 7 + [""])
+    crashed = with_scenarios(runs["again"], truths=["10 19 31"] * 7 + [""])
     assert compare(base, crashed).identical
     with pytest.raises(NotComparable, match="metrics version 0 in"):
         compare(with_meta(runs["base"], metrics_version=0), runs["again"])

@@ -13,9 +13,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from pjpdaf.errors import BenchError
+from reports.pairing import SAME_MOTION_UM
 from reports.records import EpisodeFailure, Picture, Still
-from reports.results import RunInfo, check_free, load, read_film, save
-from reports.rows import CAMERAS, DETECTIONS, EPISODES, EVENTS, FRAMES, rows_of
+from reports.results import RunInfo, check_free, load, read_film, save, save_slim
+from reports.rows import CAMERAS, DETECTIONS, EPISODES, EVENTS, FRAMES, motion_mark, rows_of
 
 TABLES = tuple(
     f"{name}.parquet"
@@ -279,6 +280,16 @@ def test_a_damaged_picture_is_named(run):
         (lambda m: m["files"].update({"../x": {}}), "which is outside the run"),
         (lambda m: m["pictures"][0].update(file="/etc/passwd"), "a picture is not listed"),
         (lambda m: m["films"][0].update(file="../film.zip"), "a film is not listed"),
+        (lambda m: m["scenarios"][0].pop("name"), "a scenario has no name"),
+        (lambda m: m.update(scenarios=["cross"]), "a scenario has no name"),
+        (lambda m: m["scenarios"][0].update(seeds=["0"]), "the seeds of .* are no list"),
+        (lambda m: m["scenarios"][0]["digests"].pop(), "digests of .* are not one a seed"),
+        (lambda m: m["scenarios"][0].pop("truths"), "truths of .* are not one a seed"),
+        (lambda m: m["scenarios"][0]["seeds"].__setitem__(0, 77), "not those of episodes.parquet"),
+        (lambda m: m.update(scenarios=[]), "not those of episodes.parquet"),
+        (lambda m: m.update(suites=[{"name": "core"}]), "suites have no name, version and digest"),
+        (lambda m: m.update(request={"targets": []}), "'request' does not say"),
+        (lambda m: m.update(provenance={}), "'provenance' has no versions"),
     ],
 )
 def test_a_wrong_run_json_is_one_line(run, change, message):
@@ -288,6 +299,30 @@ def test_a_wrong_run_json_is_one_line(run, change, message):
     path.write_text(json.dumps(meta), encoding="utf-8")
     with pytest.raises(BenchError, match=message):
         load(run)
+
+
+def test_a_whole_run_is_not_replaced_by_its_own_slim_copy(run):
+    with pytest.raises(BenchError, match="is the whole run itself"):
+        save_slim(load(run), run, force=True)
+    assert not load(run).slim
+
+
+def test_the_mark_of_a_motion_outlives_other_rounding_but_no_other_motion(tools):
+    rng = np.random.default_rng(100)
+    for seed in range(100, 120):
+        centres_m = tools.paths(24, 3.0, 0.1 + 0.01 * (seed - 100))
+        mark = np.array(motion_mark(centres_m).split(), dtype=int)
+
+        def off(changed_m, mark=mark):
+            return np.abs(np.array(motion_mark(changed_m).split(), dtype=int) - mark).max()
+
+        assert off(centres_m + rng.normal(0, 1e-9, centres_m.shape)) <= SAME_MOTION_UM
+        one = centres_m.copy()
+        one[rng.integers(24), rng.integers(3), rng.integers(3)] += 0.005
+        assert off(one) > 0
+        assert off(centres_m + 1e-4) > SAME_MOTION_UM
+        assert off(centres_m[:-1]) > SAME_MOTION_UM
+        assert off(centres_m[:, [0, 2, 1]]) > SAME_MOTION_UM
 
 
 def test_half_a_run_json_and_no_run_at_all(run, tmp_path):

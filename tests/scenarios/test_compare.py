@@ -84,15 +84,27 @@ def test_faulty_margins_are_one_line_with_their_place(tmp_path):
         ("margins: {error_mm: -2}\n", r"margins.yaml:1:\d+: margins.error_mm"),
         ("margin: {error_mm: 2}\n", r"margins.yaml:1:\d+: margin.*did you mean margins\?"),
         ("margins: {error_mm: .nan}\n", r"margins.yaml:1:\d+"),
+        ("error_mm: 2\n", r"no such field \(it is written as `margins: {error_mm: 2.5}`\)"),
     ):
         file.write_text(text)
         with pytest.raises(BenchError, match=line):
             load_margins(file)
     for word in ("error_mm", "error_mm=wide", "=3", "error_mm=-1", "error_mm=nan"):
-        with pytest.raises(BenchError, match=r"error_mm|metric"):
+        with pytest.raises(BenchError, match=f"^--margin {word}: "):
             read_margins((word,))
     with pytest.raises(BenchError, match="each metric once"):
         read_margins(("error_mm=1", "error_mm=2"))
+
+
+def test_a_file_as_folder_of_the_verdict_is_one_line(runs, tmp_path):
+    (tmp_path / "o").write_text("")
+    with pytest.raises(BenchError, match="o: is a file; give --out a folder"):
+        compare_runs(request(runs, "base", "worse", out=tmp_path / "o"))
+
+
+def test_a_run_against_itself_says_so(runs, tmp_path, capsys):
+    assert compare_runs(request(runs, "base", "base", out=tmp_path)) == 0
+    assert "base was compared with itself" in capsys.readouterr().out
 
 
 def test_unlike_runs_are_exit_code_4_and_write_nothing(runs, tmp_path):

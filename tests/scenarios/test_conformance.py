@@ -17,7 +17,7 @@ from pjpdaf.conformance import (
 )
 from pjpdaf.errors import BenchError
 from pjpdaf.interfaces import Detections, Estimates
-from pjpdaf.registry import make_detector
+from pjpdaf.registry import UnknownPart, make_detector, make_tracker
 from pjpdaf.tracker import PJPDAF, TrackState
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -143,6 +143,48 @@ class BlindToGaps(Tracker):
         return super().step(state, seen, dt_s)
 
 
+class Infinite(Tracker):
+    def step(self, state, seen, dt_s):
+        after, said = super().step(state, seen, dt_s)
+        return after, changed(said, velocities_mps=np.full((3, 3), np.inf))
+
+
+class Diverges(Tracker):
+    def step(self, state, seen, dt_s):
+        after, said = super().step(state, seen, dt_s)
+        return after, changed(said, positions_m=1e300 * said.positions_m)
+
+
+class ForgetsItsState(Tracker):
+    def step(self, state, seen, dt_s):
+        return None, super().step(state, seen, dt_s)[1]
+
+
+class SwappedAtFirst(Tracker):
+    """Right in the last frame."""
+
+    def estimates(self, state):
+        said = super().estimates(state)
+        return changed(said, positions_m=said.positions_m[::-1])
+
+
+class Unspeakable(Exception):
+    def __str__(self):
+        raise ValueError
+
+
+class RaisesUnspeakable(Tracker):
+    def step(self, state, seen, dt_s):
+        raise Unspeakable
+
+
+class StartsOddly(Tracker):
+    """Its state without detections is none that it can read."""
+
+    def start(self, seen):
+        return super().start(seen) if len(seen[0]) else 42
+
+
 class NoPredict:
     start = step = estimates = print
 
@@ -157,13 +199,19 @@ class NoPredict:
         (NeverStarts, "start: no state in 12 frames"),
         (StateAlone, "step: must return (state, Estimates)"),
         (Positions, "estimates: must give an Estimates, gives ndarray"),
-        (TwoTargets, "estimates: must have 3 targets, has 2"),
+        (TwoTargets, "estimates: must have 3 targets (head, right_hand, left_hand), has 2"),
         (WrongShape, "estimates: raises ValueError: Estimates.velocities_mps"),
-        (Nan, "step: positions_m has NaN or infinite values"),
+        (Nan, "step: positions_m has NaN values"),
         (Swapped, "wrong order of targets: row 1 must be the right_hand, follows the left_hand"),
         (Millimetres, "m off after 12 frames"),
         (Lopsided, "step: covariances_m2 have negative eigenvalues"),
         (Mutates, "step: changes the state it was given; must return a new one"),
+        (Infinite, "step: velocities_mps has infinite values"),
+        (Diverges, "step: positions_m has a value of 1.2e+300 m"),
+        (ForgetsItsState, "step: must return a state, returns None"),
+        (SwappedAtFirst, "wrong order of targets: row 0 must be the head, follows the left_hand"),
+        (RaisesUnspeakable, "step: raises Unspeakable (test_conformance.py:"),
+        (StartsOddly, "estimates, started without detections: raises AttributeError"),
         (Random, "two trackers of the same factory: differ"),
         (BlindToGaps, "step(no detections, dt 0.033 s): raises AssertionError: no blobs"),
     ],
@@ -275,7 +323,35 @@ def test_the_painted_scene_shows_three_blobs_in_each_view():
 
 
 def test_a_name_that_is_not_there_and_a_kind_that_is_not():
-    (line,) = check_named("tracker", "nowhere:make")
-    assert line == "The tracker 'nowhere:make' cannot be imported: No module named 'nowhere'."
+    """The name is at fault, not the plug-in: exit code 2."""
+    with pytest.raises(BenchError, match="'nowhere:make' cannot be imported: No module named"):
+        check_named("tracker", "nowhere:make")
+    with pytest.raises(BenchError, match=r"No 'make' in 'pjpdaf\.tracker'"):
+        check_named("tracker", "pjpdaf.tracker:make")
+    with pytest.raises(BenchError, match=r"No tracker 'thesiss'\. Did you mean 'thesis'"):
+        check_named("tracker", "thesiss")
     with pytest.raises(BenchError, match="--kind must be tracker or detector, got 'x'"):
         check_named("x", "thesis")
+    for limit_s in (0.0, -1.0, float("nan")):
+        with pytest.raises(BenchError, match="--limit must be above 0"):
+            check_named("tracker", "thesis", limit_s)
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("raise RuntimeError('of\\nmine')", "cannot be imported: RuntimeError: of mine (odd_plug"),
+        ("import sys; sys.exit(3)", "cannot be imported: SystemExit: 3 (odd_plug"),
+        ("def make(cameras): return {}[0]", "cannot be built: KeyError: 0 (odd_plug"),
+        ("import no_such_library", "cannot be imported: No module named 'no_such_library'"),
+    ],
+)
+def test_a_plug_in_that_cannot_be_made_is_one_line(text, line, tmp_path, monkeypatch):
+    (tmp_path / "odd_plug.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "odd_plug", raising=False)
+    with pytest.raises(UnknownPart) as fault:
+        make_tracker("odd_plug:make", cameras_in_front())
+    assert line in str(fault.value)
+    assert "\n" not in str(fault.value)
+    assert line in check_named("tracker", "odd_plug:make")[0]
