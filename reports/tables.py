@@ -137,7 +137,7 @@ def rich_table(summary: Summary) -> Table:
         padding=(0, 1, 0, 0),
         pad_edge=False,
     )
-    table.add_column("scenario,\nrender/detect/\ntrack", overflow="fold", min_width=18)
+    table.add_column("scenario,\nrender/detect/\ntrack", overflow="fold", min_width=16)
     table.add_column("target", no_wrap=True)
     for heading in ("frames", "median\nmm", "90 %\nmm", "Err_acc\npx", "within\n100 mm"):
         table.add_column(heading, justify="right", no_wrap=True)
