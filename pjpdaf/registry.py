@@ -153,14 +153,9 @@ def _factory(kind: str, group: str, name: str) -> Factory:
     except (Exception, SystemExit) as fault:  # whatever their module does when it is imported
         raise UnknownPart(f"The {kind} {name!r} cannot be imported: {described(fault)}.") from fault
     if not hasattr(found, factory):
-        public = [word for word, value in vars(found).items() if _is_factory(word, value, module)]
+        public = [w for w, value in vars(found).items() if callable(value) and w[0] != "_"]
         raise NoSuchPart(f"No {factory!r} in {module!r}.{did_you_mean(factory, public)}")
     return _callable(kind, name, getattr(found, factory))
-
-
-def _is_factory(word: str, value: object, module: str) -> bool:
-    """Whether a module's name could be meant: a function or class of its own."""
-    return not word.startswith("_") and getattr(value, "__module__", None) == module
 
 
 def _callable(kind: str, name: str, found: object) -> Factory:
