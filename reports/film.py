@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 
 from pjpdaf.errors import InfrastructureError
-from reports.files import write_fault
+from sim.files import write_fault
 
 KEY_FRAME_S = 3.0  # a player can jump to every such moment
 

@@ -22,7 +22,6 @@ from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from reports.budget import Budget, budget_of
 from reports.figures import speed_chart, stacked_bars
-from reports.files import disk_faults, written_whole_file
 from reports.groups import GroupRow, group_rows, scenario_rows, whole_row
 from reports.player import (
     FILM_BYTES,
@@ -51,6 +50,7 @@ from reports.tables import (
 )
 from reports.thesis_figures import ThesisFigure, thesis_figures
 from reports.worst import MAX_WORST, badness, went_wrong, worst_first
+from sim.files import disk_faults, written_whole_file
 
 MAX_PICTURES = 8
 MAX_EVENTS = 200

@@ -22,13 +22,13 @@ from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
 from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.targets import TARGETS
-from reports.files import disk_faults, written_whole_file
 from reports.overlay import LETTERS, ellipse_points
 from reports.player import Take, event_words, takes
 from reports.records import VIEWS
 from reports.results import SavedRun, read_film
 from reports.stills import VIEW_WIDTH_PX
 from reports.tables import LABELS
+from sim.files import disk_faults, written_whole_file
 
 SUFFIX = ".rrd"
 APPLICATION = "pjpdaf-bench"

@@ -23,7 +23,6 @@ import pyarrow.parquet as pq
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from reports.events import KINDS
-from reports.files import disk_faults, part_folder, write_fault
 from reports.provenance import provenance
 from reports.records import Episode, EpisodeFailure
 from reports.rows import (
@@ -38,6 +37,7 @@ from reports.rows import (
     rows_of,
 )
 from reports.worst import worst_first
+from sim.files import disk_faults, part_folder, write_fault
 
 SCHEMA_VERSION = 2
 KIND = "pjpdaf-bench run"

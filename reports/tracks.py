@@ -16,7 +16,7 @@ from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, distort_points, project
 from pjpdaf.interfaces import Estimates
 from pjpdaf.targets import TARGETS
-from reports.files import disk_faults
+from sim.files import disk_faults
 
 CSV, PARQUET = "tracks.csv", "tracks.parquet"
 _NUMBERS = (

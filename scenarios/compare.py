@@ -13,7 +13,6 @@ from rich.table import Table
 from rich.text import Text
 
 from pjpdaf.errors import BenchError
-from reports.files import disk_faults, written_whole_file
 from reports.formats import (
     badge_json,
     interval,
@@ -30,6 +29,7 @@ from reports.results import SavedRun, load
 from reports.rows import EpisodeRows
 from scenarios.margins import load_margins, read_margins
 from scenarios.progress import progress_bar
+from sim.files import disk_faults, written_whole_file
 
 EXIT_CODES = {"pass": 0, "fail": 1, "inconclusive": 3}
 FILES = ("verdict.json", "junit.xml", "summary.md", "badge.json")

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from pjpdaf.errors import BenchError
-from reports.files import disk_faults, part_folder
+from sim.files import disk_faults, part_folder
 
 
 @contextmanager

@@ -21,7 +21,6 @@ from reports.contact_sheet import (
     catalogue_page,
     small_jpeg,
 )
-from reports.files import disk_faults, written_whole_file
 from reports.overlay import LETTERS, Image
 from reports.truth_overlay import merged_words, thumbnail
 from scenarios.catalogue import load_scenario, load_suite, scenario_names, suite_names
@@ -31,6 +30,7 @@ from scenarios.progress import progress_bar
 from scenarios.show import difficulty, happening, labels_of, told_of_signals, truths
 from scenarios.spec import Scenario
 from sim.contact import Unposable
+from sim.files import disk_faults, written_whole_file
 from sim.script import Performance
 from sim.sequence import Simulation
 from sim.truth import Truth, ViewTruth

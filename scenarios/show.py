@@ -15,7 +15,6 @@ from rich.console import Console
 
 from pjpdaf.errors import BenchError, InfrastructureError
 from reports.contact_sheet import contact_sheet
-from reports.files import disk_faults, written_whole_file
 from reports.film import Film, film_suffix
 from reports.overlay import Image
 from reports.truth_overlay import MERGE, truth_picture
@@ -23,6 +22,7 @@ from scenarios.catalogue import load_scenario
 from scenarios.concrete import perform
 from scenarios.progress import progress_bar
 from scenarios.run import Interrupted, read_settings
+from sim.files import disk_faults, written_whole_file
 from sim.labels import centres, truth_of, velocities
 from sim.render import StereoRenderer
 from sim.script import Performance

@@ -10,8 +10,9 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from sim import textures
 from sim.gl import load_mujoco
+from sim.kinematics import bone_frame
 from sim.randomness import generator
-from sim.shapes import Surface
+from sim.shapes import Surface, ellipsoid, limb
 from sim.specs import RGB
 
 Vector = tuple[float, float, float]
@@ -32,11 +33,12 @@ class Assets:
         """Random numbers for one texture."""
         return generator(self._seed, f"texture/{stream}")
 
-    def quaternion(self, rotation: Floats) -> list[float]:
+    def quaternion(self, rotation: Floats) -> Quaternion:
         """Rotation matrix (3, 3) to MuJoCo's quaternion w, x, y, z."""
         quat = np.zeros(4)
         self.mujoco.mju_mat2Quat(quat, np.ascontiguousarray(rotation, dtype=np.float64).ravel())
-        return [float(value) for value in quat]
+        w, x, y, z = quat.tolist()
+        return w, x, y, z
 
     def plain(
         self,
@@ -162,9 +164,12 @@ class Assets:
         group: int = 0,
         yaw_rad: float = 0.0,
     ) -> None:
-        """An ellipsoid by its half axes."""
-        quat = turned(yaw_rad)
-        self._geom(body, name, material, group, pos, quat, "ELLIPSOID", size=list(half_m))
+        """An ellipsoid by its half axes.
+
+        A mesh, as all that is round: the ids and depth that are drawn of MuJoCo's own round shapes
+        are not those of the shapes, which its rays meet.
+        """
+        self.add(body, name, ellipsoid(np.array(half_m)), material, group, pos, turned(yaw_rad))
 
     def capsule(
         self,
@@ -176,20 +181,13 @@ class Assets:
         group: int = 0,
         castshadow: bool = True,
     ) -> None:
-        """A capsule between two points."""
-        fromto = [float(v) for v in (*ends[0], *ends[1])]
-        self._geom(
-            body,
-            name,
-            material,
-            group,
-            None,
-            IDENTITY,
-            "CAPSULE",
-            fromto=fromto,
-            size=[radius_m, 0.0, 0.0],
-            castshadow=castshadow,
-        )
+        """A capsule between two points, a mesh as an ellipsoid is."""
+        start, end = (np.asarray(point, dtype=np.float64) for point in ends)
+        length = float(np.linalg.norm(end - start))
+        surface = limb(length, np.full(2, radius_m), sides=14, rings=2, end_rings=3)
+        quat = self.quaternion(bone_frame(start, end))
+        pos = (float(start[0]), float(start[1]), float(start[2]))
+        self.add(body, name, surface, material, group, pos, quat, castshadow=castshadow)
 
     def _geom(
         self,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import cv2
 import numpy as np
@@ -23,26 +22,43 @@ class Lens:
     """Where each pixel of the real picture lies in the ideal one.
 
     ideal: the pinhole to render, same pose and focal lengths, wide enough. colour_map
-    (SCALE h, SCALE w, 2) float32: fine real pixel -> fine ideal pixel. label_index (h, w): flat
-    index of the fine ideal pixel nearest to the centre of each real pixel (0.36 px away at most),
-    in rows counted from below, as OpenGL reads them.
+    (SCALE h, SCALE w, 2) float32: fine real pixel -> fine ideal pixel. corners (4, h, w): flat
+    indices of the four fine ideal pixels around the centre of each real pixel, in rows counted from
+    below, as OpenGL reads them; weights (4, h, w): their shares of it.
     """
 
     ideal: Camera
     colour_map: NDArray[np.float32]
-    label_index: NDArray[np.int64]
+    corners: NDArray[np.int64]
+    weights: Floats
 
     def colour(self, fine: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """The real picture at SCALE from the ideal one at SCALE (h, w, 3)."""
         warped: NDArray[np.uint8] = cv2.remap(fine, self.colour_map, None, cv2.INTER_LINEAR)
         return warped
 
-    def labels(self, fine: NDArray[Any]) -> NDArray[Any]:
-        """The real labels (h, w, ...) from the ideal ones at SCALE as OpenGL reads them.
+    def ids(self, fine: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
+        """Real ids (h, w) from the ideal ones at SCALE as OpenGL reads them, and where they hold.
 
-        The nearest: nothing is mixed.
+        They do not where the four ids around a pixel's centre differ: an edge passes there.
         """
-        return np.take(fine.reshape(-1, *fine.shape[2:]), self.label_index, axis=0)
+        around = np.take(fine.ravel(), self.corners)
+        return around[0], (around == around[0]).all(axis=0)
+
+    def inverse_depth(
+        self, fine: NDArray[np.float32], step: float
+    ) -> tuple[Floats, NDArray[np.bool_]]:
+        """What is linear in 1/z (h, w), likewise; exact on plane surfaces.
+
+        It does not hold where slopes change by more than a step from one fine pixel to the next.
+        """
+        mixed = (np.take(fine.ravel(), self.corners) * self.weights).sum(axis=0)
+        bend = np.zeros_like(fine)
+        bend[:, 1:-1] = np.abs(fine[:, 2:] - 2 * fine[:, 1:-1] + fine[:, :-2])
+        across = np.abs(fine[2:] - 2 * fine[1:-1] + fine[:-2])
+        np.maximum(bend[1:-1], across, out=bend[1:-1])
+        even = np.take((bend <= step).ravel(), self.corners)
+        return np.asarray(mixed), np.all(even, axis=0)
 
 
 def lens_of(camera: Camera) -> Lens | None:
@@ -63,10 +79,18 @@ def lens_of(camera: Camera) -> Lens | None:
         camera, K=K, width_px=int(size[0]), height_px=int(size[1]), distortion=np.zeros(0)
     )
     fine = (finer(at, SCALE) - low + 0.5) * SCALE - 0.5
-    nearest = np.rint((at - low + 0.5) * SCALE - 0.5).astype(np.int64)
-    from_below = SCALE * ideal.height_px - 1 - nearest[..., 1]
-    index = from_below * (SCALE * ideal.width_px) + nearest[..., 0]
-    return Lens(ideal, fine.astype(np.float32), index)
+    corners, weights = _around((at - low + 0.5) * SCALE - 0.5, ideal)
+    return Lens(ideal, fine.astype(np.float32), corners, weights)
+
+
+def _around(at: Floats, ideal: Camera) -> tuple[NDArray[np.int64], Floats]:
+    """`Lens.corners` and `Lens.weights` of places (h, w, 2) in the fine ideal picture."""
+    first = np.floor(at).astype(np.int64)
+    (x0, y0), (fx, fy) = np.moveaxis(first, -1, 0), np.moveaxis(at - first, -1, 0)
+    width, height = SCALE * ideal.width_px, SCALE * ideal.height_px
+    corners = [(height - 1 - y) * width + x for y in (y0, y0 + 1) for x in (x0, x0 + 1)]
+    weights = [wy * wx for wy in (1 - fy, fy) for wx in (1 - fx, fx)]
+    return np.array(corners), np.array(weights)
 
 
 def check(camera: Camera) -> None:

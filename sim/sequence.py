@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from types import MappingProxyType, TracebackType
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from sim.rig import stereo_rig
 from sim.script import Performance
 from sim.sensor import Picture, expose, mean_light
 from sim.truth import Truth
-from sim.world import CAMERAS, build
+from sim.world import CAMERAS, World, build
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,13 +32,19 @@ class Shot:
     frame: pictures as the cameras give them, None where one was lost. truth: of the moment at which
     the frame was taken, whatever time the frame itself carries. pose: of that moment. views: clean
     renders, sharp even where the exposure blurs the pictures: of that moment too, but with shutter
-    skew the right one, and with it the right view's part of the truth, is of skew_s later.
+    skew the right one, and with it the right view's part of the truth, is of skew_s later. looks:
+    what the `Look` said of each view, where one was given.
     """
 
     frame: StereoFrame
     truth: Truth
     views: tuple[ViewRender, ViewRender]
     pose: Pose
+    looks: tuple[Any, Any] = (None, None)
+
+
+# Called for each view (0 left, 1 right) while the world stands in the pose of its sharp render.
+Look = Callable[[World, StereoRenderer, int, ViewRender], Any]
 
 
 class Simulation:
@@ -67,18 +74,24 @@ class Simulation:
         for index in range(self.performance.frames):
             yield self.shot(index)
 
-    def shot(self, index: int) -> Shot:
-        """The frame of this index; any order, any time, the same bytes."""
+    def shot(self, index: int, look: Look | None = None) -> Shot:
+        """The frame of this index; any order, any time, the same bytes.
+
+        look: may render more of the world, as it stands for a view; it must not pose it.
+        """
         script, scene = self.performance.script, self.performance.scene
         now = moment(scene.clock, self.performance.fps, self.performance.seed, index, CAMERAS)
         pose = script.pose(now.time_s)
         if scene.sensor.skew_s > 0:
             later_s = now.time_s + scene.sensor.skew_s
-            (left,), (right,) = self._filmed(now.time_s, (0,)), self._filmed(later_s, (1,))
+            (left,), (right,) = (
+                self._filmed(now.time_s, (0,), look),
+                self._filmed(later_s, (1,), look),
+            )
             moved = centres(script.pose(later_s)) - centres(pose)
             moved_m = (np.zeros_like(moved), moved)
         else:
-            left, right = self._filmed(now.time_s, (0, 1))
+            left, right = self._filmed(now.time_s, (0, 1), look)
             moved_m = None
         views = left.view, right.view
         truth = truth_of(
@@ -92,7 +105,8 @@ class Simulation:
         )
         pictures = self._exposed(index, now.time_s, (left.light, right.light), "")
         arrived = tuple(p if came else None for p, came in zip(pictures, now.arrived, strict=True))
-        return Shot(StereoFrame(index, now.stamp_s, arrived), truth, views, pose)
+        frame = StereoFrame(index, now.stamp_s, arrived)
+        return Shot(frame, truth, views, pose, (left.look, right.look))
 
     def background(self) -> list[StereoFrame]:
         """`background_frames` pictures of the room at t = 0 without the person, for learning.
@@ -127,12 +141,18 @@ class Simulation:
     ) -> None:
         self.close()
 
-    def _filmed(self, time_s: float, which: tuple[int, ...]) -> list[_Filmed]:
+    @property
+    def world(self) -> World:
+        """The compiled scene; only looked at from outside."""
+        return self._world
+
+    def _filmed(self, time_s: float, which: tuple[int, ...], look: Look | None) -> list[_Filmed]:
         """These views as they are exposed around time_s."""
         script, exposure_s = self.performance.script, self.performance.scene.sensor.exposure_time_s
         moments = subframes(script, self.rig.cameras, exposure_s, time_s)
         middle = len(moments) // 2
         sharp: list[ViewRender] = []
+        looks: list[Any] = []
         light: list[list[Picture]] = [[] for _ in which]
         for k, t_s in enumerate(moments):
             self._world.place(script.pose(t_s))
@@ -142,7 +162,9 @@ class Simulation:
                 pictures.append(_colour(view))
                 if full:
                     sharp.append(view)
-        return [_Filmed(v, mean_light(p)) for v, p in zip(sharp, light, strict=True)]
+                    looks.append(look and look(self._world, self._renderer, camera, view))
+        parts = zip(sharp, light, looks, strict=True)
+        return [_Filmed(view, mean_light(pictures), said) for view, pictures, said in parts]
 
     def _exposed(
         self, index: int, t_s: float, light: tuple[Picture, Picture], stream: str
@@ -157,10 +179,11 @@ class Simulation:
 
 @dataclass(frozen=True, eq=False)
 class _Filmed:
-    """A view in the middle of its exposure, and the picture of the whole of it."""
+    """A view in the middle of its exposure, the picture of the whole of it, what a look said."""
 
     view: ViewRender
     light: Picture
+    look: Any
 
 
 def _colour(view: ViewRender) -> Picture:

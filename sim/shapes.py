@@ -134,3 +134,15 @@ def revolved(profile_m: Floats, sides: int = 32) -> Surface:
     z = surface.vertices_m[:, 2]
     uv = np.column_stack([surface.uv[:, 0], (z.max() - z) / np.ptp(z)])
     return Surface(surface.vertices_m, surface.normals, uv, surface.faces)
+
+
+def ellipsoid(half_m: Floats, sides: int = 18, rings: int = 10) -> Surface:
+    """An ellipsoid about the origin by its half axes (3,)."""
+    polar = np.linspace(0.0, np.pi, rings)
+    circle = superellipse(sides, 2.0)
+    grid = np.empty((rings, sides + 1, 3))
+    grid[..., 0] = np.sin(polar)[:, None] * circle[:, 0]
+    grid[..., 1] = np.sin(polar)[:, None] * circle[:, 1]
+    grid[..., 2] = np.cos(polar)[:, None]
+    grid[[0, -1], :, :2] = 0.0
+    return closed_grid(grid * half_m)

@@ -24,7 +24,9 @@ SCENE = SceneSpec(rig=RigSpec(tilt_rad=0.28))
 
 
 def view_of(targets, amodal=(100, 100, 100)):
-    return ViewRender(None, None, None, targets, np.array(amodal, np.int64))
+    """A view whose amodal masks have so many pixels, wherever they are."""
+    masks = np.arange(targets.size).reshape(targets.shape) < np.reshape(amodal, (3, 1, 1))
+    return ViewRender(None, None, None, targets, masks)
 
 
 def blobs(*boxes):

@@ -186,7 +186,7 @@ def test_a_lens_too_strong_is_refused():
 def digest(views):
     found = hashlib.sha256()
     for view in views:
-        for part in (view.colour, view.depth_m, view.geoms, view.targets, view.amodal_px):
+        for part in (view.colour, view.depth_m, view.geoms, view.targets, view.amodal):
             found.update(np.ascontiguousarray(part).tobytes())
     return found.hexdigest()
 
@@ -254,7 +254,7 @@ def test_passes_can_be_left_out():
     world.place(rest_pose(SCENE.anatomy))
     with StereoRenderer(world) as renderer:
         view = renderer.render(colour=False, labels=False, amodal=False)[0]
-        assert (view.colour, view.depth_m, view.geoms, view.targets, view.amodal_px) == (None,) * 5
+        assert (view.colour, view.depth_m, view.geoms, view.targets, view.amodal) == (None,) * 5
 
 
 def test_the_self_test_passes_and_sees_a_wrong_principal_point(monkeypatch):

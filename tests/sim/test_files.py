@@ -12,10 +12,10 @@ import pytest
 
 from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.interfaces import Estimates
-from reports.files import disk_faults, write_fault, written_whole_file
 from reports.film import Film
 from reports.tracks import TrackWriter
 from scenarios.folder import written_whole
+from sim.files import disk_faults, write_fault, written_whole_file
 
 FULL = Path("/dev/full")
 needs_full = pytest.mark.skipif(not FULL.exists(), reason="no /dev/full")

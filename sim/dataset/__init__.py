@@ -1,0 +1,1 @@
+"""Labelled stereo data sets on disk: what is written, read back, verified and exported."""
