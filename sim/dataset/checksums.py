@@ -1,0 +1,47 @@
+"""SHA256SUMS as `sha256sum` writes and checks them: a line a file, sorted by path."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path, PurePosixPath
+
+from pjpdaf.errors import BenchError
+
+_LINE = re.compile(r"([0-9a-f]{64})  (.+)")
+
+
+def sha256_of(path: Path) -> str:
+    """SHA-256 of a file, hexadecimal. Raises OSError."""
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def text_of(sums: Mapping[str, str]) -> str:
+    """The file's text of path -> SHA-256."""
+    return "".join(f"{sums[path]}  {path}\n" for path in sorted(sums))
+
+
+def read_sums(path: Path) -> dict[str, str]:
+    """Path -> SHA-256 of a SHA256SUMS file.
+
+    Raises BenchError where it is missing, is none, or names a file outside its folder.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as fault:
+        raise BenchError(f"{path}: cannot be read: {fault}.") from fault
+    sums = {}
+    for number, line in enumerate(lines, 1):
+        found = _LINE.fullmatch(line)
+        parts = PurePosixPath(found[2]).parts if found else ()
+        if not found or found[2].startswith("/") or ".." in parts:
+            raise BenchError(f"{path}:{number}: is no line of checksums inside this folder.")
+        sums[found[2]] = found[1]
+    return sums
+
+
+def files_below(folder: Path) -> Iterable[Path]:
+    """All files below a folder, hidden ones too, sorted."""
+    return sorted(path for path in folder.rglob("*") if path.is_file())
