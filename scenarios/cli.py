@@ -13,6 +13,7 @@ from typing import Annotated, Any, TextIO, cast
 import typer
 
 from pjpdaf.errors import BenchError
+from scenarios.cli_dataset import app as dataset_app
 
 app = typer.Typer(
     name="pjpdaf-bench",
@@ -27,6 +28,7 @@ scenarios_app = typer.Typer(help="The catalogue of scenarios.", no_args_is_help=
 app.add_typer(scenarios_app, name="scenarios")
 plugin_app = typer.Typer(help="Trackers and detectors of your own.", no_args_is_help=True)
 app.add_typer(plugin_app, name="plugin")
+app.add_typer(dataset_app, name="dataset")
 
 PresetName = Annotated[
     str, typer.Option(help="Detector and tracker of this preset: thesis, thesis-literal.")

@@ -187,13 +187,17 @@ def _failure(job: Job, reason: str) -> EpisodeRows:
     return rows_of(failure)
 
 
-def worker_pool(workers: int) -> ProcessPool:
-    """A pool of processes that can render; close it or use `with`."""
+def worker_pool(workers: int, tasks_each: int = 0) -> ProcessPool:
+    """A pool of processes that can render; close it or use `with`.
+
+    tasks_each: a worker is replaced after so many tasks; 0: never.
+    """
     # Spawn, always: a child forked beside a GL context hangs.
     for name, value in WORKER_ENVIRONMENT.items():
         os.environ.setdefault(name, value)
     return ProcessPool(
         max_workers=workers,
+        max_tasks=tasks_each,
         initializer=_prepare_worker,
         context=multiprocessing.get_context("spawn"),
     )

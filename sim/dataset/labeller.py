@@ -12,7 +12,6 @@ from scipy.spatial.transform import Rotation
 
 from pjpdaf.arrays import Floats
 from pjpdaf.targets import TARGETS
-from sim.assets import turned
 from sim.dataset.instances import FIRST_OBJECT, Instances, instances_of
 from sim.dataset.keypoints import Keypoints
 from sim.dataset.records import (
@@ -24,9 +23,10 @@ from sim.dataset.records import (
     ViewLabels,
 )
 from sim.dataset.stereo import Depths, Float32s, PicturePair, RectifiedPair
+from sim.kinematics import about_z
 from sim.labels import VELOCITY_STEP_S
 from sim.lens import ideal_pixels
-from sim.pose import Pose
+from sim.pose import Pose, Transform
 from sim.render import StereoRenderer, ViewRender
 from sim.sequence import Shot, Simulation
 from sim.world import World
@@ -148,15 +148,13 @@ class Labeller:
             if name in pose.objects:
                 at = pose.objects[name]
                 moved = after[name].position_m - before[name].position_m
-                quaternion = _quaternions(at.rotation[None])[0]
-                states.append(
-                    ObjectState(name, at.position_m, quaternion, moved / (after_s - before_s))
-                )
             else:  # a pose need not name what stands where the scene has it
                 base_m = room.table_height_m if thing.base_m is None else thing.base_m
                 place = np.array([*thing.position_xy_m, base_m])
-                quaternion = np.array(turned(thing.yaw_rad))
-                states.append(ObjectState(name, place, quaternion, np.zeros(3)))
+                at, moved = Transform(place, about_z(thing.yaw_rad)), np.zeros(3)
+            quaternion = _quaternions(at.rotation[None])[0]
+            velocity = moved / (after_s - before_s)
+            states.append(ObjectState(name, at.position_m, quaternion, velocity))
         return tuple(states)
 
 

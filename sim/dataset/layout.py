@@ -39,6 +39,7 @@ LABELS: dict[str, tuple[str, ...]] = {
     "float": ("float_left", "float_right"),
 }
 DEFAULT_LABELS = ("depth", "seg", "amodal", "disparity")
+EXPORTS = ("coco", "mot", "webdataset", "parquet")  # other formats, beside the sequences
 
 DEPTH_UNIT_M = 1e-4
 DISPARITY_SCALE = 256.0

@@ -87,6 +87,11 @@ class Sequence:
         """How many draws of its seed were thrown away (`sim.script.Performance`)."""
         return int(_number(self.folder / RIG, self.rig_json, "redrawn", 0, 1e5))
 
+    @property
+    def skew_s(self) -> float:
+        """How much later than the left view the right one is exposed [s]."""
+        return _number(self.folder / RIG, self.rig_json, "skew_s", least=0.0, most=10.0)
+
     @cached_property
     def rig(self) -> StereoRig:
         """The cameras that filmed, in the world."""

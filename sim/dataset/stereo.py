@@ -133,7 +133,7 @@ def shown(camera: Camera, lens: Lens | None, x: Float32s, y: Float32s) -> tuple[
     if lens is None:
         return x, y
     low = camera.K[:2, 2] - lens.ideal.K[:2, 2]
-    high = low + (lens.ideal.width_px - 1, lens.ideal.height_px - 1)
+    high = low + np.array([lens.ideal.width_px, lens.ideal.height_px]) - 1
     known = (x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1])
     x, y = np.where(known, x, np.float32(np.nan)), np.where(known, y, np.float32(np.nan))
     if len(camera.distortion) > _PLAIN:

@@ -95,6 +95,20 @@ def write_sequence(
     return Written(simulation.performance.frames, len(paths) + 1, size)
 
 
+def write_frame(simulation: Simulation, folder: Path, labels: Collection[str], index: int) -> None:
+    """Write the pictures and labels of one frame of a sequence, under the names they have in it.
+
+    Raises OSError of the disk.
+    """
+    labeller = Labeller(simulation, [name for name in labels if name in Labeller.WANTED])
+    with _Files(folder) as files, _Tables(folder) as tables:
+        shot, said = labeller.labelled(index)
+        _add_pictures(files, "", shot.frame)
+        for view, camera in enumerate(CAMERAS):
+            _add_labels(files, labels, camera, index, shot, said.views[view])
+        tables.add(shot, said, labeller.instances)
+
+
 def _add_pictures(files: _Files, prefix: str, frame: StereoFrame) -> None:
     for camera, picture in zip(CAMERAS, frame.pictures, strict=True):
         if picture is not None:
@@ -150,6 +164,7 @@ def rig_record(simulation: Simulation, instances: Instances) -> dict[str, Any]:
         "frames": performance.frames,
         "background_frames": performance.background_frames,
         "redrawn": performance.redrawn,
+        "skew_s": performance.scene.sensor.skew_s,
         "cameras": _cameras(simulation.rig),
         "calibration": _cameras(simulation.calibration),
         "instances": [

@@ -1,0 +1,111 @@
+"""The verbs of `dataset`: make, verify, export, show."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pjpdaf.errors import BenchError
+
+app = typer.Typer(help="Labelled stereo data sets.", no_args_is_help=True)
+
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a data set.")]
+Formats = Annotated[
+    str, typer.Option(metavar="A,B", help="Of coco, mot, webdataset, parquet; or none.")
+]
+
+
+@app.command()
+def make(
+    targets: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[SCENARIO|SUITE]...", help="Names, or YAML files."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Folder of the data set; one that is begun goes on."),
+    ] = None,
+    seeds: Annotated[
+        int | None, typer.Option(help="Seeds of each scenario [a suite's own, else 10].")
+    ] = None,
+    first_seed: Annotated[int, typer.Option(help="The first of them.")] = 0,
+    size: Annotated[
+        str | None, typer.Option(metavar="WxH", help="Of the pictures [640x480].")
+    ] = None,
+    labels: Annotated[
+        str,
+        typer.Option(
+            metavar="A,B",
+            help="Of clean, depth, seg, amodal, disparity, correspondence, float; all, none.",
+        ),
+    ] = "depth,seg,amodal,disparity",
+    export: Formats = "coco,mot",
+    ladder: Annotated[
+        bool,
+        typer.Option(
+            "--ladder",
+            help="Each sequence five times: clean, + noise, + blur, + lens, + skin and light.",
+        ),
+    ] = False,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change a scenario parameter. Repeatable."),
+    ] = None,
+    jobs: Annotated[int | None, typer.Option(help="Worker processes [all cores].")] = None,
+    recipe: Annotated[
+        Path | None,
+        typer.Option(metavar="recipe.json", help="Instead: this one sequence again."),
+    ] = None,
+    frame: Annotated[
+        int | None, typer.Option(help="With --recipe: only this frame, from 0.")
+    ] = None,
+) -> None:
+    """Make a labelled data set; the same command goes on with one that was interrupted.
+
+    The same scenarios, seeds and settings give the same bytes, for any number of workers.
+    """
+    if out is None:
+        raise BenchError("--out is missing: give the folder of the data set")
+    if recipe is not None:
+        if targets:
+            raise BenchError("--recipe makes its own sequence: leave out the scenarios")
+        from scenarios.datasets import make_again
+
+        typer.echo(make_again(recipe, out, frame))
+        return
+    if frame is not None:
+        raise BenchError("--frame is for a recipe: give --recipe FILE")
+    from scenarios.datasets import MakeRequest
+    from scenarios.datasets import make as make_dataset
+    from scenarios.recipe import Settings, labels_named, size_named
+
+    make_dataset(
+        MakeRequest(
+            targets=tuple(targets or ("smoke",)),
+            out=out,
+            seeds=seeds,
+            first_seed=first_seed,
+            settings=tuple(settings or ()),
+            labels=Settings(labels_named(labels), None if size is None else size_named(size)),
+            exports=formats_named(export),
+            ladder=ladder,
+            jobs=jobs,
+            argv=tuple(sys.argv[1:]),
+        )
+    )
+
+
+def formats_named(words: str) -> tuple[str, ...]:
+    """The formats of a text such as "coco,mot"; "none". Raises BenchError for an unknown one."""
+    from sim.dataset.layout import EXPORTS
+
+    named = [word.strip() for word in words.split(",") if word.strip()]
+    if named == ["none"]:
+        return ()
+    for name in named:
+        if name not in EXPORTS:
+            raise BenchError(f"--export {name[:40]}: must be of {', '.join(EXPORTS)}; or none")
+    return tuple(name for name in EXPORTS if name in named)

@@ -1,0 +1,466 @@
+"""The verb `dataset make`: sequences in worker processes, whole or not at all, and resumed."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import shutil
+import signal
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import TimeoutError as FutureTimeout
+from concurrent.futures import wait
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from pebble import ProcessExpired, ProcessFuture
+from rich.console import Console
+from rich.filesize import decimal
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+from pjpdaf.errors import BenchError, InfrastructureError
+from pjpdaf.registry import described
+from reports.provenance import PACKAGES, provenance
+from scenarios.concrete import setting_of
+from scenarios.execute import ATTEMPTS, WORKER_ENVIRONMENT, renderer_of, worker_pool
+from scenarios.folder import written_whole
+from scenarios.ladder import rungs_of
+from scenarios.play import digest_of
+from scenarios.recipe import FILES, Recipe, Settings, read_recipe, stored_name
+from scenarios.run import Interrupted, RunRequest, plan, worker_count
+from sim import gl
+from sim.contact import Unposable
+from sim.dataset.checksums import files_below, read_sums, sha256_of, text_of
+from sim.dataset.layout import (
+    CHECKSUMS,
+    CONVENTIONS,
+    MANIFEST,
+    PART,
+    conventions,
+    sequence_name,
+)
+from sim.dataset.manifest import Entry, manifest_record, write_manifest
+from sim.dataset.reader import open_dataset, read_json
+from sim.dataset.writer import Written, write_frame, write_sequence
+from sim.files import disk_faults, written_whole_file
+from sim.sequence import Simulation
+
+TIME_LIMIT_S = 24 * 3600.0  # of one sequence; nothing of a user's is called in it
+POLL_S = 0.5
+# A worker is replaced after this many sequences: whatever a driver leaks goes with it.
+SEQUENCES_A_WORKER = 64
+
+
+@dataclass(frozen=True)
+class MakeRequest:
+    """What the command line asked for; None = the default."""
+
+    targets: tuple[str, ...]
+    out: Path
+    seeds: int | None = None
+    first_seed: int = 0
+    settings: tuple[str, ...] = ()
+    labels: Settings = field(default_factory=Settings)
+    exports: tuple[str, ...] = ()
+    ladder: bool = False
+    jobs: int | None = None
+    argv: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Task:
+    """One sequence to make, in a worker. part: folder to write into."""
+
+    recipe: Recipe
+    part: Path
+    final: Path
+
+
+def make(request: MakeRequest) -> None:
+    """Make, or go on making, a data set. Raises BenchError; exit code 130 after Ctrl-C."""
+    workers = worker_count(request.jobs)
+    recipes = recipes_of(request)
+    out = request.out.absolute()
+    settings = {**request.labels.record(), "ladder": request.ladder}
+    entries = [entry_of(index, recipe) for index, recipe in enumerate(recipes)]
+    console = Console(stderr=True)
+    signal.signal(signal.SIGTERM, _interrupt)
+    with disk_faults(out, "the data set"):
+        out.mkdir(parents=True, exist_ok=True)
+    with _alone(out), worker_pool(workers, SEQUENCES_A_WORKER) as pool:
+        _check_same(out, settings, entries)
+        try:
+            renderer = renderer_of(pool)
+            made_with = {"renderer": renderer, "versions": versions()}
+            _check_renderer(out, made_with)
+            recipes = [replace(recipe, made_with=made_with) for recipe in recipes]
+            _sweep(out)
+            record = manifest_record(entries, settings, made_with, complete=False)
+            if not (out / MANIFEST).exists():
+                write_manifest(out, record)
+            missing = [i for i, entry in enumerate(entries) if not (out / entry.folder).is_dir()]
+            frames = sum(entries[i].frames for i in missing)
+            tasks = {
+                i: _Task(recipes[i], out / f"{PART}{entries[i].folder}", out / entries[i].folder)
+                for i in missing
+            }
+            started = time.perf_counter()
+            with _Progress(console, tasks, frames) as progress:
+                written = _make_all(pool, tasks, progress.step)
+        except KeyboardInterrupt:
+            pool.stop()
+            pool.join()
+            done = sum((out / entry.folder).is_dir() for entry in entries)
+            raise Interrupted(
+                f"interrupted: {done} of {len(entries)} sequences are in {out}; the same command "
+                "goes on"
+            ) from None
+        except BaseException:
+            pool.stop()
+            pool.join()
+            raise
+        wall_s = time.perf_counter() - started
+        finish(out, entries, settings, made_with, request.exports)
+    size = sum(one.bytes for one in written)
+    said = f"{len(missing)} sequences, {frames} stereo frames"
+    if missing:
+        said += f", {decimal(size)} in {wall_s:.0f} s ({frames / wall_s:.1f} frames/s)"
+    kept = len(entries) - len(missing)
+    print(f"{said}, {workers} workers" + (f"; {kept} were there" if kept else ""))
+    print(f"data set: {request.out}")
+
+
+def recipes_of(request: MakeRequest) -> list[Recipe]:
+    """All sequences in their order; everything that can be wrong with them is found here."""
+    for pair in request.settings:
+        part = pair.partition("=")[0].partition(".")[0]
+        if part in ("tracker", "detector"):
+            raise BenchError(f"--set {pair}: a data set has no {part}; it is for `run`")
+    run = RunRequest(
+        targets=request.targets,
+        seeds=request.seeds,
+        preset="thesis",
+        detector="thesis",
+        tracker="thesis",
+        settings=request.settings,
+        jobs=None,
+        out=None,
+        argv=(),
+        first_seed=request.first_seed,
+    )
+    recipes = []
+    for job in plan(run):
+        if not request.ladder:
+            recipes.append(Recipe(job, request.labels))
+            continue
+        for rung, rung_job in rungs_of(job).items():
+            recipes.append(Recipe(rung_job, request.labels, rung))
+    return recipes
+
+
+def entry_of(index: int, recipe: Recipe) -> Entry:
+    """What the manifest says of a sequence."""
+    job = recipe.job
+    return Entry(
+        folder=sequence_name(index),
+        scenario=job.scenario.name,
+        label=job.name,
+        group=job.scenario.group,
+        seed=job.seed,
+        rung=recipe.rung,
+        digest=digest_of(job),
+        frames=int(setting_of(job.scenario, job.overrides, "frames")),
+        fps=setting_of(job.scenario, job.overrides, "fps"),
+    )
+
+
+def versions() -> dict[str, str]:
+    """Of all on which the bytes depend."""
+    found = provenance()["versions"]
+    assert isinstance(found, dict)
+    wanted = ("mujoco", "numpy", "opencv-python-headless", "pjpdaf-bench", "scipy", "pyarrow")
+    return {name: found[name] for name in wanted if name in PACKAGES}
+
+
+def _make_one(task: _Task) -> Written | BenchError:
+    """In a worker: make a sequence in its part folder, then give it its name."""
+    try:
+        shutil.rmtree(task.part, ignore_errors=True)
+        with disk_faults(task.final, "the data set"):
+            task.part.mkdir()
+            written = write_recipe(task.recipe, task.part)
+            task.part.rename(task.final)
+        return written
+    except BenchError as fault:
+        shutil.rmtree(task.part, ignore_errors=True)
+        # Errors with fields of their own do not survive pickling; line and exit code suffice.
+        kind = InfrastructureError if fault.exit_code == 5 else BenchError
+        return kind(str(fault))
+    except Unposable as fault:
+        return BenchError(f"{task.final.name}: cannot be posed: {fault}; leave out this seed")
+    except Exception as fault:
+        shutil.rmtree(task.part, ignore_errors=True)
+        return InfrastructureError(f"{task.final.name}: {described(fault)}")
+
+
+def write_recipe(recipe: Recipe, folder: Path) -> Written:
+    """A recipe's sequence in an empty folder. Raises BenchError, Unposable, OSError."""
+    performance = recipe.performance()
+    for file in recipe.files().values():
+        (folder / FILES).mkdir(exist_ok=True)
+        shutil.copyfile(file.path, folder / FILES / stored_name(file))
+    with Simulation(performance) as simulation:
+        record = recipe.record(performance.redrawn)
+        return write_sequence(simulation, folder, recipe.settings.labels, record)
+
+
+def _make_all(
+    pool: Any, tasks: Mapping[int, _Task], on_poll: Callable[[int, int], None]
+) -> list[Written]:
+    """Make them on the pool's workers; a worker that dies is replaced, three times at most.
+
+    Raises BenchError, of the first in order that fails, once the others under way are finished.
+    """
+    attempts = dict.fromkeys(tasks, 0)
+    pending: dict[ProcessFuture[Written | BenchError], int] = {}
+    written: list[Written] = []
+    faults: dict[int, BenchError] = {}
+
+    def submit(index: int) -> None:
+        attempts[index] += 1
+        future = pool.schedule(_make_one, args=(tasks[index],), timeout=TIME_LIMIT_S)
+        pending[future] = index
+
+    for index in tasks:
+        submit(index)
+    while pending:
+        done, _ = wait(pending, timeout=POLL_S, return_when="FIRST_COMPLETED")
+        for future in done:
+            index = pending.pop(future)
+            outcome = _outcome(future, tasks[index], attempts[index])
+            if outcome is None:
+                submit(index)
+            elif isinstance(outcome, BenchError):
+                faults[index] = outcome
+                for other in [f for f in pending if f.cancel()]:
+                    del pending[other]
+            else:
+                written.append(outcome)
+        on_poll(len(written), sum(one.bytes for one in written))
+    if faults:
+        raise faults[min(faults)]
+    return written
+
+
+def _outcome(
+    future: ProcessFuture[Written | BenchError], task: _Task, attempt: int
+) -> Written | BenchError | None:
+    """A finished future; None: the worker died and the sequence may be tried again."""
+    name = task.final.name
+    try:
+        result: Written | BenchError = future.result()
+    except FutureTimeout:
+        return InfrastructureError(f"{name}: not finished within {TIME_LIMIT_S / 3600:.0f} hours")
+    except ProcessExpired as death:
+        if task.final.is_dir():  # it died between finishing and saying so
+            return Written(0, 0, 0)
+        if attempt < ATTEMPTS:
+            return None
+        return InfrastructureError(
+            f"{name}: its worker died {attempt} times (exit code {death.exitcode})"
+        )
+    return result
+
+
+def finish(
+    out: Path,
+    entries: Sequence[Entry],
+    settings: Mapping[str, Any],
+    made_with: Mapping[str, Any],
+    exports: Sequence[str],
+) -> None:
+    """Write all that is made from the finished sequences; the manifest that says so is the last."""
+    from scenarios.dataset_finish import write_exports, write_top
+
+    write_manifest(out, manifest_record(entries, settings, made_with, complete=False))
+    dataset = open_dataset(out)
+    write_exports(dataset, exports)
+    _write(out / CONVENTIONS, json.dumps(conventions(), indent=1) + "\n")
+    write_top(dataset)
+    write_manifest(out, manifest_record(entries, settings, made_with, complete=True))
+    write_sums(out, [entry.folder for entry in entries])
+
+
+def write_sums(out: Path, sequences: Sequence[str]) -> None:
+    """SHA256SUMS of the whole: the sequences' own sums are taken over, the rest is read."""
+    sums: dict[str, str] = {}
+    for name in sequences:
+        own = out / name / CHECKSUMS
+        sums |= {f"{name}/{path}": value for path, value in read_sums(own).items()}
+        sums[f"{name}/{CHECKSUMS}"] = sha256_of(own)
+    known = set(sequences)
+    for path in sorted(out.iterdir()):
+        if path.name in known or path.name == CHECKSUMS or path.name.startswith(PART):
+            continue
+        for file in files_below(path) if path.is_dir() else (path,):
+            sums[file.relative_to(out).as_posix()] = sha256_of(file)
+    _write(out / CHECKSUMS, text_of(sums))
+
+
+def _write(path: Path, text: str) -> None:
+    with written_whole_file(path, "the data set", replace=True) as part:
+        part.write_text(text, encoding="utf-8")
+
+
+@contextmanager
+def _alone(out: Path) -> Iterator[None]:
+    """Only one process makes a data set. The folder's lock ends with the process, in any way."""
+    with disk_faults(out, "the data set"):
+        folder = os.open(out, os.O_RDONLY)
+    try:
+        fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(folder)
+        raise BenchError(
+            f"{out}: another process is making this data set; wait for it, or end it"
+        ) from None
+    except OSError:
+        pass  # a disk without locks: go on without
+    try:
+        yield
+    finally:
+        os.close(folder)
+
+
+def _check_same(out: Path, settings: Mapping[str, Any], entries: Sequence[Entry]) -> None:
+    """Raise BenchError where something else lies in the folder, or another data set."""
+    path = out / MANIFEST
+    if not path.exists():
+        others = [p.name for p in out.iterdir() if not p.name.startswith(".")]
+        if others:
+            raise BenchError(
+                f"{out}: is not empty ({sorted(others)[0]}) and no data set; give a new folder"
+            )
+        return
+    record = open_dataset(out).manifest
+    had = record.get("settings")
+    if had != json.loads(json.dumps(settings)):
+        raise BenchError(f"{out}: holds a data set of other settings: {_difference(had, settings)}")
+    before = [(e.get("folder"), e.get("digest")) for e in record["sequences"]]
+    if before != [(entry.folder, entry.digest) for entry in entries]:
+        raise BenchError(
+            f"{out}: holds a data set of other scenarios or seeds ({len(before)} sequences, asked "
+            f"for {len(entries)}); give another folder"
+        )
+
+
+def _difference(had: Any, asked: Mapping[str, Any]) -> str:
+    before = had if isinstance(had, Mapping) else {}
+    for key, value in asked.items():
+        if before.get(key) != value:
+            return f"{key} {before.get(key)}, asked for {value}; give another folder"
+    return "give another folder"
+
+
+def _check_renderer(out: Path, made_with: Mapping[str, Any]) -> None:
+    """Raise BenchError where the rest would not have the bytes that the first part has."""
+    path = out / MANIFEST
+    if not path.exists():
+        return
+    before = read_json(path).get("made_with")
+    if before != made_with:
+        raise BenchError(
+            f"{out}: was begun with another OpenGL library or other versions; the rest would not "
+            "fit to it. Go on where it was begun, or give a new folder"
+        )
+
+
+def _sweep(out: Path) -> None:
+    """Remove what a killed process left half-written."""
+    for path in out.glob(f"{PART}*"):
+        shutil.rmtree(path, ignore_errors=True)
+    for path in out.glob(".*.part-*"):
+        shutil.rmtree(path, ignore_errors=True)
+
+
+def _interrupt(number: int, frame: object) -> None:
+    raise KeyboardInterrupt
+
+
+class _Progress:
+    """Sequences, frames a second, time left and bytes; counts the files that are being written."""
+
+    def __init__(self, console: Console, tasks: Mapping[int, _Task], frames: int) -> None:
+        self._tasks, self._frames = tasks, frames
+        self._bar = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.fields[said]}"),
+            TimeElapsedColumn(),
+            console=console,
+            transient=True,
+        )
+        self._id = self._bar.add_task("starting", total=frames, said="")
+        self._started = time.perf_counter()
+
+    def step(self, sequences: int, size: int) -> None:
+        """What is written by now: whole sequences, their bytes."""
+        done = 0
+        for task in self._tasks.values():
+            if task.final.is_dir():
+                done += entry_of(0, task.recipe).frames
+            elif (left := task.part / "left").is_dir():
+                done += sum(1 for _ in left.iterdir())
+        rate = done / max(time.perf_counter() - self._started, 1e-9)
+        left_s = (self._frames - done) / rate if done else 0.0
+        said = f"{done}/{self._frames} frames, {rate:.1f}/s, {left_s:.0f} s left, {decimal(size)}"
+        name = f"{sequences}/{len(self._tasks)} sequences"
+        self._bar.update(self._id, completed=done, description=name, said=said)
+
+    def __enter__(self) -> _Progress:
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
+
+
+def make_again(path: Path, out: Path, frame: int | None = None) -> str:
+    """`dataset make --recipe`: a sequence, or one frame of it, again; what is said at the end.
+
+    The bytes are those of before where OpenGL library and versions are the same; where they are
+    not, what is said says so. Raises BenchError, Unposable.
+    """
+    for name, value in WORKER_ENVIRONMENT.items():
+        os.environ.setdefault(name, value)
+    recipe = read_recipe(read_json(path), path.absolute().parent)
+    frames = entry_of(0, recipe).frames
+    if frame is not None and not 0 <= frame < frames:
+        raise BenchError(f"--frame {frame}: the sequence has the frames 0 to {frames - 1}")
+    gl.prepare()
+    made_with = {"renderer": gl.describe(), "versions": versions()}
+    with written_whole(out) as part, disk_faults(out, "the sequence"):
+        if frame is None:
+            write_recipe(replace(recipe, made_with=made_with), part)
+        else:
+            with Simulation(recipe.performance()) as simulation:
+                write_frame(simulation, part, recipe.settings.labels, frame)
+    what = "sequence" if frame is None else f"frame {frame}"
+    if recipe.made_with and recipe.made_with != made_with:
+        return f"{what}: {out}\nmade with {_other(recipe.made_with, made_with)}: bytes may differ"
+    return f"{what}: {out}"
+
+
+def _other(then: Mapping[str, Any], now: Mapping[str, Any]) -> str:
+    if then.get("renderer") != now["renderer"]:
+        return f"{now['renderer']}, once with {str(then.get('renderer'))[:100]}"
+    old = then.get("versions")
+    changed = [
+        f"{name} {version}, once {old.get(name) if isinstance(old, Mapping) else None}"
+        for name, version in now["versions"].items()
+        if not isinstance(old, Mapping) or old.get(name) != version
+    ]
+    return "; ".join(changed)

@@ -1,0 +1,294 @@
+"""What a data set's labels say as a whole: counts and histograms, read sequence by sequence."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from collections.abc import Sequence as Several
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from pjpdaf.arrays import Floats
+from pjpdaf.errors import BenchError
+from pjpdaf.targets import HANDS, TARGETS
+from sim.dataset.layout import TRUTH
+from sim.dataset.reader import Dataset, Sequence
+from sim.dataset.records import KEYPOINTS, NOT_LABELLED, VISIBLE
+from sim.world import CAMERAS
+
+_PAIRS = tuple(combinations(TARGETS, 2))
+_POINTS = tuple(f"{TARGETS[target]}:{name}" for target, name in KEYPOINTS)
+_STATUSES = VISIBLE + 1
+
+
+@dataclass(frozen=True)
+class Bins:
+    """What a histogram counts. edges: of its bins, in `unit`; the first and the last bin hold what
+    lies beyond them too, each bin its lower edge and the last one both.
+    """
+
+    title: str
+    unit: str
+    edges: tuple[float, ...]
+
+
+# The same for all data sets, so that two cards can be laid side by side.
+BINS: dict[str, Bins] = {
+    "visible_fraction": Bins(
+        "Visible share of a target's skin", "", tuple(np.linspace(0, 1, 11).round(2).tolist())
+    ),
+    "truncation": Bins(
+        "Share of a target outside the picture", "", (0.0, 0.001, 0.1, 0.25, 0.5, 0.75, 0.999, 1.0)
+    ),
+    "distance": Bins(
+        "Distance from the left camera", "m", tuple(np.linspace(0.4, 2.4, 11).round(2).tolist())
+    ),
+    "skin_tone": Bins(
+        "Skin tone of the sequences, ITA", "deg", (-60, -30, 10, 19, 28, 41, 55, 70)
+    ),
+    "hand_speed": Bins(
+        "Speed of the hands", "m/s", (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.5, 3.0, 6.0)
+    ),
+    "motion": Bins(
+        "Way from one frame to the next", "mm", (0, 2, 5, 10, 20, 50, 100, 200, 400, 800)
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Histogram:
+    """Numbers of values in each of `bins`' bins, by series such as "right_hand, left".
+
+    missing: values that there are not, such as the visible share of what is out of the picture.
+    """
+
+    bins: Bins
+    counts: Mapping[str, tuple[int, ...]]
+    missing: int
+
+    @property
+    def total(self) -> tuple[int, ...]:
+        """All series together."""
+        bins = len(self.bins.edges) - 1
+        return tuple(sum(one[i] for one in self.counts.values()) for i in range(bins))
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Counts of a data set.
+
+    scenarios: sequences and stereo frames by scenario; lost_pictures: by view; merged: frames by
+    "right_hand + left_hand, left"; merged_frames: with any pair merged in any view;
+    ambiguous_frames: both hands are one blob in both views; keypoints: by "head:chin" the numbers
+    of not labelled, occluded and visible over both views; histograms: by the names of BINS.
+    """
+
+    sequences: int
+    frames: int
+    seconds: float
+    scenarios: Mapping[str, tuple[int, int]]
+    lost_pictures: Mapping[str, int]
+    merged: Mapping[str, int]
+    merged_frames: int
+    ambiguous_frames: int
+    keypoints: Mapping[str, tuple[int, int, int]]
+    histograms: Mapping[str, Histogram]
+
+    def record(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return {
+            "sequences": self.sequences,
+            "frames": self.frames,
+            "seconds": round(self.seconds, 3),
+            "scenarios": {
+                name: {"sequences": sequences, "frames": frames}
+                for name, (sequences, frames) in self.scenarios.items()
+            },
+            "lost_pictures": dict(self.lost_pictures),
+            "merged": dict(self.merged),
+            "merged_frames": self.merged_frames,
+            "ambiguous_frames": self.ambiguous_frames,
+            "keypoints": {
+                name: {"not_labelled": none, "occluded": occluded, "visible": visible}
+                for name, (none, occluded, visible) in self.keypoints.items()
+            },
+            "histograms": {
+                name: {
+                    "title": one.bins.title,
+                    "unit": one.bins.unit,
+                    "edges": list(one.bins.edges),
+                    "counts": {series: list(counts) for series, counts in one.counts.items()},
+                    "missing": one.missing,
+                }
+                for name, one in self.histograms.items()
+            },
+        }
+
+
+def statistics_of(dataset: Dataset) -> Statistics:
+    """The statistics of all finished sequences; one is in memory at a time.
+
+    Raises BenchError that names the file of a damaged one.
+    """
+    parts = _Parts()
+    for sequence in dataset.sequences:
+        # A copy keeps its tables to itself, and they go with it.
+        parts.add(replace(sequence))
+    return parts.whole()
+
+
+class _Parts:
+    """The sums so far."""
+
+    def __init__(self) -> None:
+        self._counts: dict[str, dict[str, NDArray[np.int64]]] = {name: {} for name in BINS}
+        self._missing = dict.fromkeys(BINS, 0)
+        self._scenarios: dict[str, tuple[int, int]] = {}
+        self._seconds = 0.0
+        self._lost = dict.fromkeys(CAMERAS, 0)
+        self._merged = {f"{a} + {b}, {view}": 0 for a, b in _PAIRS for view in CAMERAS}
+        self._merged_frames = self._ambiguous = 0
+        self._keypoints = {name: np.zeros(_STATUSES, np.int64) for name in _POINTS}
+
+    def add(self, sequence: Sequence) -> None:
+        """Count one sequence."""
+        frames, rows = sequence.frame_count, sequence.truth
+        # As a stranger's table says it, not as the manifest does.
+        names = rows["target"].to_numpy()
+        if len(rows) != frames * len(TARGETS) or list(names) != list(TARGETS) * frames:
+            raise BenchError(
+                f"{sequence.folder / TRUTH}: must have a row for each of {', '.join(TARGETS)} in "
+                f"each of {frames} frames, in this order."
+            )
+        scenario = str(sequence.entry.get("scenario", "unnamed"))
+        before = self._scenarios.get(scenario, (0, 0))
+        self._scenarios[scenario] = before[0] + 1, before[1] + frames
+        self._seconds += frames / sequence.fps
+        self._add_views(rows)
+        self._add_places(sequence, rows)
+        self._add_merged(rows)
+        self._add_keypoints(sequence, rows)
+        self._count("skin_tone", "sequences", np.array([skin_ita_deg(sequence.recipe)]))
+
+    def whole(self) -> Statistics:
+        """All of it."""
+        return Statistics(
+            sequences=sum(n for n, _ in self._scenarios.values()),
+            frames=sum(n for _, n in self._scenarios.values()),
+            seconds=self._seconds,
+            scenarios=dict(sorted(self._scenarios.items())),
+            lost_pictures=self._lost,
+            merged=self._merged,
+            merged_frames=self._merged_frames,
+            ambiguous_frames=self._ambiguous,
+            keypoints={
+                name: (int(n[0]), int(n[1]), int(n[2])) for name, n in self._keypoints.items()
+            },
+            histograms={
+                name: Histogram(
+                    bins,
+                    {s: tuple(n.tolist()) for s, n in self._counts[name].items()},
+                    self._missing[name],
+                )
+                for name, bins in BINS.items()
+            },
+        )
+
+    def _count(self, name: str, series: str, values: Floats) -> None:
+        counts, missing = counted(values, BINS[name].edges)
+        mine = self._counts[name]
+        mine[series] = mine.get(series, np.zeros_like(counts)) + counts
+        self._missing[name] += missing
+
+    def _add_views(self, rows: pd.DataFrame) -> None:
+        for view in CAMERAS:
+            self._lost[view] += int((~_by_target(rows, f"arrived_{view}", bool)[0]).sum())
+            shown = _by_target(rows, f"visible_fraction_{view}", np.float64)
+            amodal = _by_target(rows, f"amodal_{view}_px", np.int64)
+            cut = _by_target(rows, f"truncation_{view}", np.float64)
+            for t, target in enumerate(TARGETS):
+                inside = np.where(amodal[t] > 0, shown[t], np.nan)
+                self._count("visible_fraction", f"{target}, {view}", inside)
+                self._count("truncation", f"{target}, {view}", cut[t])
+
+    def _add_places(self, sequence: Sequence, rows: pd.DataFrame) -> None:
+        eye = sequence.rig.left.centre_w
+        axes = [_by_target(rows, f"{a}_m", np.float64) for a in "xyz"]
+        speeds = [_by_target(rows, f"v{a}_mps", np.float64) for a in "xyz"]
+        for t, target in enumerate(TARGETS):
+            places = np.stack([axis[t] for axis in axes], axis=-1)
+            self._count("distance", target, np.linalg.norm(places - eye, axis=1))
+            steps_m = np.linalg.norm(np.diff(places, axis=0), axis=1)
+            self._count("motion", target, 1e3 * steps_m)
+            if t in HANDS:
+                speed = np.stack([axis[t] for axis in speeds], axis=-1)
+                self._count("hand_speed", target, np.linalg.norm(speed, axis=1))
+
+    def _add_merged(self, rows: pd.DataFrame) -> None:
+        T = len(TARGETS)
+        both: list[NDArray[np.bool_]] = []
+        anywhere = np.zeros(len(rows) // T, np.bool_)
+        for view in CAMERAS:
+            merged = rows[f"merged_with_{view}"].to_numpy()
+            for a, b in _PAIRS:
+                mine = merged[TARGETS.index(a) :: T]
+                here = np.array([b in list(others) for others in mine], np.bool_)
+                self._merged[f"{a} + {b}, {view}"] += int(here.sum())
+                anywhere |= here
+                if TARGETS.index(a) in HANDS and TARGETS.index(b) in HANDS:
+                    both.append(here)
+        self._merged_frames += int(anywhere.sum())
+        self._ambiguous += int(np.logical_and.reduce(both).sum())
+
+    def _add_keypoints(self, sequence: Sequence, rows: pd.DataFrame) -> None:
+        T = len(TARGETS)
+        for view in CAMERAS:
+            column = f"keypoint_status_{view}"
+            for t, target in enumerate(TARGETS):
+                names = [name for name in _POINTS if name.startswith(f"{target}:")]
+                try:
+                    said = np.array(list(rows[column].iloc[t::T]), np.int64)
+                    if said.shape[1:] != (len(names),):
+                        raise ValueError
+                    if ((said < NOT_LABELLED) | (said > VISIBLE)).any():
+                        raise ValueError
+                except (TypeError, ValueError):
+                    raise BenchError(
+                        f"{sequence.folder / TRUTH}: {column} of {target} must be {len(names)} "
+                        f"numbers from {NOT_LABELLED} to {VISIBLE} in each frame."
+                    ) from None
+                for k, name in enumerate(names):
+                    self._keypoints[name] += np.bincount(said[:, k], minlength=_STATUSES)
+
+
+def counted(values: Floats, edges: Several[float]) -> tuple[NDArray[np.int64], int]:
+    """Numbers of values (n,) in the bins between edges, and how many are NaN or infinite."""
+    there = values[np.isfinite(values)]
+    inside = np.clip(there, edges[0], edges[-1])
+    counts, _ = np.histogram(inside, np.array(edges, np.float64))
+    return counts.astype(np.int64), len(values) - len(there)
+
+
+def skin_ita_deg(recipe: Mapping[str, Any]) -> float:
+    """Skin tone of a sequence as its recipe has it, individual typology angle [deg], else NaN."""
+    values = recipe.get("values")
+    value = values.get("skin_ita") if isinstance(values, Mapping) else None
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return math.nan
+    return float(value)
+
+
+def shares(counts: Iterable[int]) -> list[float]:
+    """Of their sum, 0 where there is none."""
+    numbers = list(counts)
+    return [n / max(sum(numbers), 1) for n in numbers]
+
+
+def _by_target(rows: pd.DataFrame, column: str, dtype: type) -> NDArray[Any]:
+    """A column as (T, frames); no value is NaN."""
+    return rows[column].to_numpy(dtype).reshape(-1, len(TARGETS)).T
