@@ -42,7 +42,9 @@ NOTHING = "nothing at all"
 class Kept:
     """Footage with its pictures as PNG bytes."""
 
-    performance: object
+    fps: float
+    frame_count: int
+    redrawn: int
     rig: StereoRig
     calibration: StereoRig
     learnt: tuple
@@ -69,7 +71,9 @@ def opened(frame: StereoFrame) -> StereoFrame:
 def kept(job: Job) -> Kept:
     with Simulation(perform(job.scenario, job.seed, job.overrides)) as simulation:
         return Kept(
-            simulation.performance,
+            simulation.fps,
+            simulation.frame_count,
+            simulation.redrawn,
             simulation.rig,
             simulation.calibration,
             tuple(packed(frame) for frame in simulation.background()),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import json
 import os
@@ -11,7 +12,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import TimeoutError as FutureTimeout
 from concurrent.futures import wait
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -72,7 +73,7 @@ class MakeRequest:
 
 @dataclass(frozen=True)
 class _Task:
-    """One sequence to make, in a worker. part: folder to write into."""
+    """One sequence to make, in a worker. part: begins the name of the folder to write into."""
 
     recipe: Recipe
     part: Path
@@ -111,16 +112,14 @@ def make(request: MakeRequest) -> None:
             with _Progress(console, tasks, frames) as progress:
                 written = _make_all(pool, tasks, progress.step)
         except KeyboardInterrupt:
-            pool.stop()
-            pool.join()
+            _stop(pool, out)
             done = sum((out / entry.folder).is_dir() for entry in entries)
             raise Interrupted(
                 f"interrupted: {done} of {len(entries)} sequences are in {out}; the same command "
                 "goes on"
             ) from None
         except BaseException:
-            pool.stop()
-            pool.join()
+            _stop(pool, out)
             raise
         wall_s = time.perf_counter() - started
         finish(out, entries, settings, made_with, request.exports)
@@ -186,24 +185,44 @@ def versions() -> dict[str, str]:
 
 
 def _make_one(task: _Task) -> Written | BenchError:
-    """In a worker: make a sequence in its part folder, then give it its name."""
+    """In a worker: make a sequence in a part folder, then give it its name."""
+    part = task.part.with_name(f"{task.part.name}-{os.getpid()}")
     try:
-        shutil.rmtree(task.part, ignore_errors=True)
         with disk_faults(task.final, "the data set"):
-            task.part.mkdir()
-            written = write_recipe(task.recipe, task.part)
-            task.part.rename(task.final)
+            part.mkdir()
+            with _held(part):  # nobody sweeps it away while this process lives
+                written = write_recipe(task.recipe, part)
+                part.rename(task.final)
         return written
     except BenchError as fault:
-        shutil.rmtree(task.part, ignore_errors=True)
         # Errors with fields of their own do not survive pickling; line and exit code suffice.
         kind = InfrastructureError if fault.exit_code == 5 else BenchError
         return kind(str(fault))
     except Unposable as fault:
         return BenchError(f"{task.final.name}: cannot be posed: {fault}; leave out this seed")
     except Exception as fault:
-        shutil.rmtree(task.part, ignore_errors=True)
         return InfrastructureError(f"{task.final.name}: {described(fault)}")
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
+
+
+@contextmanager
+def _held(folder: Path, wait_for_it: bool = True) -> Iterator[None]:
+    """The folder's lock, which ends with the process, in any way. Raises BlockingIOError, OSError.
+
+    On a disk without locks nothing is held.
+    """
+    opened = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(opened, fcntl.LOCK_EX | (0 if wait_for_it else fcntl.LOCK_NB))
+    except OSError as fault:
+        if fault.errno not in (errno.ENOLCK, errno.ENOTSUP, errno.ENOSYS, errno.EINVAL):
+            os.close(opened)
+            raise
+    try:
+        yield
+    finally:
+        os.close(opened)
 
 
 def write_recipe(recipe: Recipe, folder: Path) -> Written:
@@ -222,7 +241,7 @@ def _make_all(
 ) -> list[Written]:
     """Make them on the pool's workers; a worker that dies is replaced, three times at most.
 
-    Raises BenchError, of the first in order that fails, once the others under way are finished.
+    Raises BenchError, of the first in order that fails; no other is begun then.
     """
     attempts = dict.fromkeys(tasks, 0)
     pending: dict[ProcessFuture[Written | BenchError], int] = {}
@@ -317,22 +336,17 @@ def _write(path: Path, text: str) -> None:
 
 @contextmanager
 def _alone(out: Path) -> Iterator[None]:
-    """Only one process makes a data set. The folder's lock ends with the process, in any way."""
-    with disk_faults(out, "the data set"):
-        folder = os.open(out, os.O_RDONLY)
-    try:
-        fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        os.close(folder)
-        raise BenchError(
-            f"{out}: another process is making this data set; wait for it, or end it"
-        ) from None
-    except OSError:
-        pass  # a disk without locks: go on without
-    try:
+    """Only one process makes a data set. Raises BenchError where another does."""
+    with disk_faults(out, "the data set"), ExitStack() as held:
+        try:
+            held.enter_context(_held(out, wait_for_it=False))
+        except BlockingIOError:
+            raise BenchError(
+                f"{out}: another process is making this data set; wait for it, or end it"
+            ) from None
+        opened = held.pop_all()
+    with opened:
         yield
-    finally:
-        os.close(folder)
 
 
 def _check_same(out: Path, settings: Mapping[str, Any], entries: Sequence[Entry]) -> None:
@@ -378,12 +392,17 @@ def _check_renderer(out: Path, made_with: Mapping[str, Any]) -> None:
         )
 
 
+def _stop(pool: Any, out: Path) -> None:
+    pool.stop()
+    pool.join()
+    _sweep(out)
+
+
 def _sweep(out: Path) -> None:
-    """Remove what a killed process left half-written."""
-    for path in out.glob(f"{PART}*"):
-        shutil.rmtree(path, ignore_errors=True)
-    for path in out.glob(".*.part-*"):
-        shutil.rmtree(path, ignore_errors=True)
+    """Remove what killed processes left half-written, once they have really ended."""
+    for path in (*out.glob(f"{PART}*"), *out.glob(".*.part-*")):
+        with suppress(FileNotFoundError), _held(path):
+            shutil.rmtree(path, ignore_errors=True)
 
 
 def _interrupt(number: int, frame: object) -> None:
@@ -412,8 +431,8 @@ class _Progress:
         for task in self._tasks.values():
             if task.final.is_dir():
                 done += entry_of(0, task.recipe).frames
-            elif (left := task.part / "left").is_dir():
-                done += sum(1 for _ in left.iterdir())
+            else:
+                done += sum(1 for _ in task.part.parent.glob(f"{task.part.name}-*/left/*"))
         rate = done / max(time.perf_counter() - self._started, 1e-9)
         left_s = (self._frames - done) / rate if done else 0.0
         said = f"{done}/{self._frames} frames, {rate:.1f}/s, {left_s:.0f} s left, {decimal(size)}"

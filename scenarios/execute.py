@@ -37,7 +37,10 @@ WORKER_ENVIRONMENT = {
 
 @dataclass(frozen=True)
 class Played:
-    """What came of a list of jobs; finished ones only, in the order of the jobs."""
+    """What came of a list of jobs; finished ones only, in the order of the jobs.
+
+    renderer: "" where nothing was rendered.
+    """
 
     rows: tuple[EpisodeRows, ...]
     interrupted: bool
@@ -117,13 +120,14 @@ def play_all(
     over its time limit, or that raises, becomes a failed episode. Ctrl-C ends the run and keeps
     what is finished. Neither the rows nor their order depend on `workers`.
     Raises BenchError (the first in the order of the jobs) where the user's input is at fault.
+    OpenGL is needed only where a job is rendered.
     """
     results: dict[int, EpisodeRows] = {}
     attempts = [0] * len(jobs)
     pending: dict[ProcessFuture[EpisodeRows | BenchError], int] = {}
     interrupted = False
     with worker_pool(min(workers, len(jobs))) as pool:
-        renderer = renderer_of(pool)
+        renderer = renderer_of(pool) if any(job.kept is None for job in jobs) else ""
 
         def submit(index: int) -> None:
             attempts[index] += 1
@@ -131,8 +135,9 @@ def play_all(
             pending[future] = index
 
         try:
-            for index in range(len(jobs)):
-                submit(index)
+            with _interrupt_deferred():  # the first task starts the workers
+                for index in range(len(jobs)):
+                    submit(index)
             while pending:
                 done, _ = wait(pending, return_when="FIRST_COMPLETED")
                 for future in done:

@@ -26,7 +26,7 @@ _CLEAN: Mapping[str, float] = {
 STEPS: Mapping[str, Mapping[str, float]] = {
     "clean": _CLEAN,
     "noise": {"noise_sd": 4.0, "shot_noise": 4.0},
-    "blur": {"exposure_time": 20.0},
+    "blur": {"exposure_time": 33.0},
     "lens": {"lens_k1": -0.15, "lens_k2": 0.03},
     "shift": {"skin_ita": -15.0, "light_temperature": 3800.0, "light_gain": 0.8},
 }

@@ -7,6 +7,7 @@ import json
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, Protocol
 
 from pjpdaf.camera import StereoRig
@@ -24,7 +25,7 @@ from scenarios.concrete import concrete, perform
 from scenarios.parameters import File
 from scenarios.plugged import CheckedDetector, CheckedTracker, PlugInFault
 from scenarios.spec import Scenario, contents, digest
-from sim.script import Performance
+from sim.dataset.reader import Sequence
 from sim.sequence import Simulation
 from sim.stage import Value
 from sim.truth import Truth
@@ -48,7 +49,9 @@ class Job:
     """One episode to play: a pure function of (scenario, seed, overrides, system).
 
     keep_pictures: of some frames; keep_film: small and plain, of all frames.
-    label: its name in the results, where that is not the scenario's. Files among the overrides are
+    label: its name in the results, where that is not the scenario's. kept: the folder of a data
+    set's sequence that is read instead of rendering the episode; size_px: width and height of its
+    pictures, where they are not the scenario's. Files among the overrides are
     found when the job is made: raises BenchError where that fails.
     """
 
@@ -59,6 +62,8 @@ class Job:
     keep_pictures: bool = False
     label: str = ""
     keep_film: bool = False
+    kept: Path | None = None
+    size_px: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         found = dict(self.overrides)
@@ -75,14 +80,16 @@ class Job:
 
 
 def digest_of(job: Job) -> str:
-    """SHA-256 of an episode: scenario, seed, changed values, what is in its files.
+    """SHA-256 of an episode: scenario, seed, changed values, what is in its files, its size.
 
     Same digest, same pictures.
 
     The system under test is not part of it, so that runs of two trackers can be paired.
     """
     changes = json.dumps(contents(job.overrides), sort_keys=True)
-    return hashlib.sha256(f"{digest(job.scenario)} {job.seed} {changes}".encode()).hexdigest()
+    words = [digest(job.scenario), str(job.seed), changes]
+    words += ["{}x{}".format(*job.size_px)] if job.size_px else []
+    return hashlib.sha256(" ".join(words).encode()).hexdigest()
 
 
 def parts_of(system: System, rig: StereoRig) -> tuple[Detector, Tracker[Any]]:
@@ -104,20 +111,41 @@ def play(job: Job) -> Episode:
     """Play one job to its end.
 
     Raises what scenario, plug-in or renderer raise; the caller turns that into a failed episode.
+    BenchError for a damaged file of a data set.
     """
+    if job.kept is not None:
+        return play_footage(job, Sequence(job.kept, {}))
     with Simulation(perform(job.scenario, job.seed, job.overrides)) as simulation:
         return play_footage(job, simulation)
 
 
 class Footage(Protocol):
-    """What a job plays: a live simulation, or the same kept.
+    """What a job plays: a live simulation, or the same kept, such as in a data set."""
 
-    rig: the cameras that filmed; calibration: what the tracker is given.
-    """
+    @property
+    def fps(self) -> float:
+        """Frames a second."""
+        ...
 
-    performance: Performance
-    rig: StereoRig
-    calibration: StereoRig
+    @property
+    def frame_count(self) -> int:
+        """Frames."""
+        ...
+
+    @property
+    def redrawn(self) -> int:
+        """How many draws of its seed were thrown away (`Performance`)."""
+        ...
+
+    @property
+    def rig(self) -> StereoRig:
+        """The cameras that filmed."""
+        ...
+
+    @property
+    def calibration(self) -> StereoRig:
+        """What the tracker is given."""
+        ...
 
     def background(self) -> list[StereoFrame]:
         """Person-free frames, for learning."""
@@ -130,8 +158,7 @@ class Footage(Protocol):
 
 def play_footage(job: Job, footage: Footage) -> Episode:
     """Detect, track and collect what is scored. Raises what a plug-in raises."""
-    performance = footage.performance
-    gallery = _Gallery(performance.frames) if job.keep_pictures else None
+    gallery = Gallery(footage.frame_count) if job.keep_pictures else None
     outcomes = []
     pictures: list[Picture] = []
     film: list[Still] = []
@@ -179,12 +206,12 @@ def play_footage(job: Job, footage: Footage) -> Episode:
         scenario=job.name,
         group=job.scenario.group,
         seed=job.seed,
-        fps=performance.fps,
+        fps=footage.fps,
         cameras=footage.rig.cameras,
         frames=tuple(outcomes),
         digest=digest_of(job),
-        values=concrete(job.scenario, job.seed, job.overrides, performance.redrawn),
-        redrawn=performance.redrawn,
+        values=concrete(job.scenario, job.seed, job.overrides, footage.redrawn),
+        redrawn=footage.redrawn,
         pictures=tuple(pictures),
         film=tuple(film),
     )
@@ -196,7 +223,7 @@ def play_footage(job: Job, footage: Footage) -> Episode:
     )
 
 
-class _Gallery:
+class Gallery:
     """Chooses the frames that are kept as pictures: evenly spaced, and where merges change."""
 
     def __init__(self, frames: int) -> None:
@@ -206,6 +233,7 @@ class _Gallery:
         self._left = MAX_PICTURES - len(self._even)
 
     def wants(self, truth: Truth) -> bool:
+        """Whether this frame is one of them; to be asked for every frame, in order."""
         merged = tuple(bool(view.merged.any()) for view in truth.views)
         changed = self._merged != merged and bool(self._merged)
         self._merged = merged

@@ -25,6 +25,7 @@ from scenarios.catalogue import resolve
 from scenarios.concrete import SETTINGS, concrete, in_si, perform, setting_of
 from scenarios.execute import EPISODE_TIME_LIMIT_S, Played, play_all
 from scenarios.filming import rig_of
+from scenarios.footage import jobs_of, open_with_sequences, renderer_of
 from scenarios.lock import stamp
 from scenarios.parameters import File, nearest
 from scenarios.parts import Part, parts_of
@@ -41,7 +42,10 @@ MAX_TIME_LIMIT_S = 86_400.0
 
 @dataclass(frozen=True)
 class RunRequest:
-    """What the command line asked for; None = the default."""
+    """What the command line asked for; None = the default.
+
+    dataset: its sequences are read instead of rendering targets.
+    """
 
     targets: tuple[str, ...]
     seeds: int | None
@@ -57,6 +61,7 @@ class RunRequest:
     slim: bool = False
     films: bool = False
     time_limit_s: float = EPISODE_TIME_LIMIT_S
+    dataset: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -122,6 +127,17 @@ def plan(request: RunRequest) -> list[Job]:
             f"{request.time_limit_s:g}"
         )
     settings = read_settings(request.settings)
+    system = System(request.detector, request.tracker, settings.detector, settings.tracker)
+    if request.dataset is not None:
+        _check_kept(request, settings)
+        whole = not request.slim
+        return jobs_of(
+            open_with_sequences(request.dataset),
+            system,
+            request.only,
+            pictures=whole,
+            films=request.films and whole,
+        )
     parts = _chosen([part for name in request.targets for part in parts_of(name)], request.only)
     names = [part.label for part in parts]
     for name in names:
@@ -134,7 +150,6 @@ def plan(request: RunRequest) -> list[Job]:
         if key not in known:
             hint = nearest(key, known)
             raise BenchError(f"--set {key}: no such parameter in these scenarios{hint}")
-    system = System(request.detector, request.tracker, settings.detector, settings.tracker)
     jobs = []
     for part in parts:
         asked = {key: value for key, value in settings.scenario.items() if key in part.takes}
@@ -155,6 +170,19 @@ def plan(request: RunRequest) -> list[Job]:
     for job in {job.name: job for job in jobs}.values():
         check(job)
     return jobs
+
+
+def _check_kept(request: RunRequest, settings: Settings) -> None:
+    """Raise BenchError for what changes pictures: those of a data set are as they are."""
+    asked = [f"--set {key}" for key in settings.scenario]
+    asked += ["--seeds"] if request.seeds is not None else []
+    asked += ["--first-seed"] if request.first_seed else []
+    asked += list(request.targets)
+    if asked:
+        raise BenchError(
+            f"{asked[0]} does not go with --from: a data set's sequences are as they were made; "
+            "--only NAME chooses among them"
+        )
 
 
 def _chosen(parts: list[Part], only: Sequence[str]) -> list[Part]:
@@ -218,7 +246,10 @@ def record(
         renderer=played.renderer,
         argv=request.argv,
         complete=not played.interrupted,
-        request={
+        # With --from, other seeds cannot be played, and no name plays one again.
+        request={}
+        if request.dataset is not None
+        else {
             "targets": list(request.targets),
             "seeds": request.seeds,
             "first_seed": request.first_seed,
@@ -271,13 +302,16 @@ def run_suite(request: RunRequest) -> None:
     workers = worker_count(request.jobs)
     find_plug_ins_here(request.detector, request.tracker)
     jobs = plan(request)
-    folder = request.out or default_folder(request.targets)
+    names = request.targets if request.dataset is None else (request.dataset.absolute().name,)
+    folder = request.out or default_folder(names)
     check_free(folder)
     # A cancelled CI job gets SIGTERM: what is finished is kept then, too.
     signal.signal(signal.SIGTERM, _interrupt)
     console = Console(stderr=True)
     started = time.perf_counter()
     played = _play_with_progress(jobs, workers, console, request.time_limit_s)
+    if request.dataset is not None:
+        played = replace(played, renderer=renderer_of(open_with_sequences(request.dataset)))
     if not played.rows:
         raise Interrupted("interrupted before any episode was finished; nothing saved")
     wall_s = time.perf_counter() - started

@@ -63,6 +63,21 @@ class Simulation:
         self._world = build(performance.scene)
         self._renderer = StereoRenderer(self._world)
 
+    @property
+    def fps(self) -> float:
+        """Frames a second."""
+        return self.performance.fps
+
+    @property
+    def frame_count(self) -> int:
+        """Frames."""
+        return self.performance.frames
+
+    @property
+    def redrawn(self) -> int:
+        """How many draws of its seed were thrown away (`Performance`)."""
+        return self.performance.redrawn
+
     def frames(self) -> Iterator[tuple[StereoFrame, Truth]]:
         """All frames in order, at times index / fps where the clock has no jitter."""
         for index in range(self.performance.frames):

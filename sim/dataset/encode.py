@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import zipfile
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,17 @@ from pjpdaf.errors import BenchError
 from sim.dataset.layout import DEPTH_UNIT_M, DISPARITY_SCALE, FLOW_SCALE, FLOW_ZERO
 from sim.dataset.records import NO_SURFACE, Matches
 
+_PNG = b"\x89PNG\r\n\x1a\n"
+# What the libraries raise of a file that is none, cut short, locked or packed in another way.
+_NPZ_FAULTS = (
+    ValueError,
+    EOFError,
+    NotImplementedError,
+    RuntimeError,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+FLOATS = ("depth_m", "disparity_px", "places_px")  # what the label `float` holds
 MOST_PX = 64 << 20  # pixels of a picture that is read; a PNG of a few kB can hold far more
 
 
@@ -33,10 +46,17 @@ def read_png(path: Path, dtype: type, channels: int) -> NDArray[Any]:
         data = path.read_bytes()
     except OSError as fault:
         raise BenchError(f"{path}: cannot be read: {fault.strerror}.") from fault
-    # Width and height stand in the first chunk; a picture is not unpacked to find out.
-    size = int.from_bytes(data[16:20], "big") * int.from_bytes(data[20:24], "big")
-    if data[:8] != b"\x89PNG\r\n\x1a\n" or not 0 < size <= MOST_PX:
+    if data[:8] != _PNG or data[12:16] != b"IHDR":
         raise BenchError(f"{path}: is not a PNG picture, or a damaged one.")
+    # Width and height stand in the first chunk; a picture is not unpacked to find out.
+    width, height = (int.from_bytes(data[at : at + 4], "big") for at in (16, 20))
+    if not 0 < width * height <= MOST_PX:
+        raise BenchError(
+            f"{path}: says that it is {width}x{height}; more than {MOST_PX >> 20} million pixels "
+            "are not read."
+        )
+    if not _is_whole(data):
+        raise BenchError(f"{path}: is a damaged PNG picture.")
     level = cv2.utils.logging.getLogLevel()
     cv2.utils.logging.setLogLevel(0)  # OpenCV prints what is raised here as well
     try:
@@ -54,6 +74,19 @@ def read_png(path: Path, dtype: type, channels: int) -> NDArray[Any]:
             f"{1 if picture.ndim == 2 else picture.shape[2]} of {picture.dtype.name}."
         )
     return np.asarray(picture)
+
+
+def _is_whole(data: bytes) -> bool:
+    """Whether all chunks of a PNG are there with the right checksums: libpng prints where not."""
+    view, at = memoryview(data), len(_PNG)
+    while at + 12 <= len(data):
+        end = at + 8 + int.from_bytes(view[at : at + 4], "big")
+        if zlib.crc32(view[at + 4 : end]) != int.from_bytes(view[end : end + 4], "big"):
+            return False
+        if data[at + 4 : at + 8] == b"IEND":
+            return end + 4 <= len(data)
+        at = end + 4
+    return False
 
 
 def depth_to_png(depth_m: NDArray[np.float32]) -> NDArray[np.uint16]:
@@ -126,6 +159,40 @@ def npz(**arrays: NDArray[Any]) -> bytes:
     buffer = io.BytesIO()
     np.savez_compressed(buffer, allow_pickle=False, **arrays)
     return buffer.getvalue()
+
+
+def read_npz(path: Path, size_px: tuple[int, int]) -> dict[str, NDArray[np.float32]]:
+    """Arrays of the label `float` by name; size_px: height and width that they must have.
+
+    Raises BenchError where the file is missing, damaged, or holds anything else.
+    """
+    found: dict[str, NDArray[np.float32]] = {}
+    try:
+        with zipfile.ZipFile(io.BytesIO(path.read_bytes())) as held:
+            for entry in held.infolist():
+                name = entry.filename.removesuffix(".npy")
+                shape = (*size_px, 2) if name == "places_px" else size_px
+                if name not in FLOATS or name in found:
+                    raise ValueError(f"it may not hold {entry.filename[:40]!r}")
+                with held.open(entry) as file:
+                    # The header says how much is unpacked; it is checked before that is.
+                    version = np.lib.format.read_magic(file)
+                    if version != (1, 0):
+                        raise ValueError(f"{name} is of another version of the format")
+                    said, _, dtype = np.lib.format.read_array_header_1_0(file)
+                    if said != shape or dtype != np.float32:
+                        raise ValueError(f"{name} is {dtype} {said}, must be float32 {shape}")
+                with held.open(entry) as file:
+                    found[name] = np.lib.format.read_array(file, allow_pickle=False)
+    except OSError as fault:
+        raise BenchError(f"{path}: cannot be read: {fault.strerror or fault}.") from fault
+    except _NPZ_FAULTS as fault:
+        raise BenchError(f"{path}: is a damaged NPZ file: {_one_line(fault)}.") from fault
+    return found
+
+
+def _one_line(fault: Exception) -> str:
+    return " ".join(str(fault).split())[:200].rstrip(".")
 
 
 def _whole(values: NDArray[np.float64]) -> NDArray[np.uint16]:

@@ -43,10 +43,9 @@ class Keypoints:
         # Half axes of the ellipsoid that stands for the part of the body around each keypoint.
         head = np.array([anatomy.head_depth_m, anatomy.head_breadth_m, anatomy.head_height_m]) / 2
         palm = palm_surface(anatomy).vertices_m
-        long, broad, thick = np.ptp(palm, axis=0) / 2
+        _, broad, thick = np.ptp(palm, axis=0) / 2
         hand = [
-            np.array([2 * broad, broad, thick]),  # a wrist: what goes on along x is the forearm
-            np.array([long, broad, thick]),
+            *(np.array([broad, broad, thick]) for _ in ("wrist", "palm_centre")),
             *(np.full(3, finger.radii_m[-1]) for finger in self._fingers),
         ]
         self._half_m = np.array([head, np.full(3, CHIN_M), *hand, *hand])

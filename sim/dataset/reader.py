@@ -5,9 +5,9 @@ Everything in it is data from a stranger: nothing is executed or unpickled, and 
 
 from __future__ import annotations
 
-import io
 import json
 import math
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -44,7 +44,12 @@ from sim.truth import Truth
 from sim.world import CAMERAS
 
 MAX_JSON_BYTES = 256 << 20
+MAX_PICTURE_BYTES = 1 << 30
 MAX_ROWS = 10_000_000
+MAX_TABLE_BYTES = 8 << 30  # unpacked
+ORTHONORMAL = 1e-6  # how far R Rᵀ of a camera may be from the identity
+# Columns of truth.parquet that a Truth does not need, and that take long to read.
+_LABELS_ONLY = ("keypoint", "amodal_box_", "occluded_by_", "truncation_")
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +70,7 @@ class Sequence:
     @cached_property
     def rig_json(self) -> dict[str, Any]:
         """rig.json."""
-        return read_json(self.folder / RIG)
+        return read_json(self.path(RIG))
 
     @property
     def fps(self) -> float:
@@ -75,7 +80,7 @@ class Sequence:
     @property
     def frame_count(self) -> int:
         """Frames."""
-        return int(_number(self.folder / RIG, self.rig_json, "frames", least=1, most=1e7))
+        return int(_number(self.folder / RIG, self.rig_json, "frames", least=1, most=1e6))
 
     @property
     def background_count(self) -> int:
@@ -110,59 +115,62 @@ class Sequence:
             return tuple(
                 Instance(int(one["id"]), str(one["name"]), str(one["kind"])) for one in listed or ()
             )
-        except (KeyError, TypeError, ValueError) as fault:
+        except (KeyError, TypeError, ValueError, OverflowError) as fault:
             raise BenchError(f"{path}: instances: is not a list of id, name, kind.") from fault
 
     @cached_property
     def recipe(self) -> dict[str, Any]:
         """recipe.json."""
-        return read_json(self.folder / RECIPE)
+        return read_json(self.path(RECIPE))
 
     @cached_property
     def events(self) -> dict[str, Any]:
         """events.json."""
-        return read_json(self.folder / EVENTS)
+        return read_json(self.path(EVENTS))
 
     @cached_property
     def truth(self) -> pd.DataFrame:
         """truth.parquet: a row a frame and target."""
-        return read_table(self.folder / TRUTH, TRUTH_SCHEMA).to_pandas()
+        return read_table(self.path(TRUTH), TRUTH_SCHEMA).to_pandas()
 
     @cached_property
     def objects(self) -> pd.DataFrame:
         """objects.parquet: a row a frame and object."""
-        return read_table(self.folder / OBJECTS, OBJECTS_SCHEMA).to_pandas()
+        return read_table(self.path(OBJECTS), OBJECTS_SCHEMA).to_pandas()
 
-    @cached_property
+    @property
     def truths(self) -> tuple[Truth, ...]:
         """The truth of every frame, in order, bit for bit as it was simulated."""
-        path = self.folder / TRUTH
-        rows = read_table(path, TRUTH_SCHEMA).to_pylist()
-        T, wanted = len(TARGETS), self.frame_count
-        if len(rows) != T * wanted:
-            raise BenchError(
-                f"{path}: must have {T * wanted} rows ({wanted} frames), has {len(rows)}."
-            )
-        found = []
+        return tuple(truth for truth, _, _ in self._told)
+
+    @cached_property
+    def _told(self) -> tuple[tuple[Truth, float, tuple[bool, ...]], ...]:
+        """Per frame its truth, the time that it carries [s], which pictures arrived."""
+        path, T, wanted = self.path(TRUTH), len(TARGETS), self.frame_count
+        names = [n for n in TRUTH_SCHEMA.names if not n.startswith(_LABELS_ONLY)]
+        schema = pa.schema([TRUTH_SCHEMA.field(name) for name in names])
+        table = read_table(path, schema, f"{T * wanted} rows ({wanted} frames)", T * wanted)
+        try:
+            rows = table.to_pylist()
+        except ValueError as fault:
+            raise BenchError(f"{path}: holds text that is not UTF-8.") from fault
+        found: list[tuple[Truth, float, tuple[bool, ...]]] = []
         for index in range(wanted):
             mine = rows[T * index : T * (index + 1)]
             try:
-                truth = truth_of_rows(mine)
                 if any(row["frame_index"] != index for row in mine):
                     raise ValueError("frames must be in order, from 0")
+                truth = truth_of_rows(mine)
+                stamp_s = float(mine[0]["stamp_s"])
+                numbers = np.r_[truth.time_s, stamp_s, truth.centres_m.ravel()]
+                if not np.isfinite(np.r_[numbers, truth.velocities_mps.ravel()]).all():
+                    raise ValueError("times, centres and velocities must be finite")
             except (KeyError, TypeError, ValueError) as fault:
-                raise BenchError(f"{path}: frame {index}: {fault}.") from fault
-            found.append(truth)
+                said = str(fault).rstrip(".")
+                raise BenchError(f"{path}: frame {index}: {said}.") from fault
+            came = tuple(bool(mine[0][f"arrived_{camera}"]) for camera in CAMERAS)
+            found.append((truth, stamp_s, came))
         return tuple(found)
-
-    @cached_property
-    def _stamps(self) -> list[tuple[float, tuple[bool, ...]]]:
-        columns = ["stamp_s", *(f"arrived_{camera}" for camera in CAMERAS)]
-        first = self.truth.iloc[:: len(TARGETS)]
-        return [
-            (float(stamp), tuple(map(bool, came)))
-            for stamp, *came in first[columns].itertuples(index=False)
-        ]
 
     def background(self) -> list[StereoFrame]:
         """The person-free frames."""
@@ -179,7 +187,7 @@ class Sequence:
 
     def frame(self, index: int) -> StereoFrame:
         """The pictures of a frame, None where one did not arrive."""
-        stamp_s, arrived = self._stamps[index]
+        _, stamp_s, arrived = self._told[index]
         pictures = tuple(
             self.picture(camera, index, np.uint8, 3) if came else None
             for camera, came in zip(CAMERAS, arrived, strict=True)
@@ -228,16 +236,21 @@ class Sequence:
 
     def floats(self, view: int, index: int) -> dict[str, NDArray[np.float32]]:
         """What the label `float` holds of a view: depth_m, disparity_px, places_px."""
-        path = self.folder / f"float_{CAMERAS[view]}" / picture_name(index, ".npz")
-        try:
-            with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as held:
-                return {name: held[name] for name in held.files}
-        except (OSError, ValueError, KeyError) as fault:
-            raise BenchError(f"{path}: is no NPZ file, or a damaged one: {fault}.") from fault
+        camera = self.rig.cameras[view]
+        path = self.path(f"float_{CAMERAS[view]}", picture_name(index, ".npz"))
+        return encode.read_npz(path, (camera.height_px, camera.width_px))
+
+    def path(self, *parts: str) -> Path:
+        """A file of the sequence. Raises BenchError where it is none, or a link leads elsewhere."""
+        path = self.folder.joinpath(*parts)
+        check_inside(self.folder.parent, path)
+        return path
 
     def picture(self, folder: str, index: int, dtype: type, channels: int) -> NDArray[Any]:
         """The picture of a folder, checked against the cameras' size."""
-        path = self.folder / folder / picture_name(index)
+        path = self.path(folder, picture_name(index))
+        if path.stat().st_size > MAX_PICTURE_BYTES:
+            raise BenchError(f"{path}: is larger than {MAX_PICTURE_BYTES >> 20} MiB.")
         picture = encode.read_png(path, dtype, channels)
         camera = self.rig.left
         if picture.shape[:2] != (camera.height_px, camera.width_px):
@@ -252,8 +265,11 @@ class Sequence:
         path = self.folder / RIG
         try:
             left, right = (camera_of(self.rig_json[key][name]) for name in CAMERAS)
-        except (KeyError, TypeError, ValueError) as fault:
-            raise BenchError(f"{path}: {key}: {fault}.") from fault
+        except KeyError as fault:
+            raise BenchError(f"{path}: {key}: lacks {fault}.") from fault
+        except (TypeError, ValueError, OverflowError) as fault:
+            said = str(fault).rstrip(".")
+            raise BenchError(f"{path}: {key}: {said}.") from fault
         return StereoRig(left, right)
 
 
@@ -281,6 +297,7 @@ def open_dataset(folder: Path | str) -> Dataset:
     path = folder / MANIFEST
     if not path.is_file():
         raise BenchError(f"{folder}: is no data set (it has no {MANIFEST}).")
+    check_inside(folder, path)
     manifest = read_json(path)
     if manifest.get("kind") != KIND:
         raise BenchError(f"{path}: is not the manifest of a data set.")
@@ -294,17 +311,35 @@ def open_dataset(folder: Path | str) -> Dataset:
         raise BenchError(f"{path}: has no list of sequences, or no settings.")
     if not isinstance(settings.get("labels"), list):
         raise BenchError(f"{path}: settings.labels must be a list.")
-    sequences = []
+    sequences: dict[str, Sequence] = {}
     for number, entry in enumerate(entries):
         name = entry.get("folder") if isinstance(entry, dict) else None
         if not isinstance(name, str) or not is_sequence_name(name):
             raise BenchError(f"{path}: sequences.{number}: its folder must be named seq_NNNNNN.")
-        if not (folder / name).is_dir() or (folder / name).is_symlink():
+        if name in sequences:
+            raise BenchError(f"{path}: sequences.{number}: names {name} a second time.")
+        if (folder / name).is_symlink():
+            raise BenchError(f"{folder / name}: is a link; a data set has its sequences in it.")
+        if not (folder / name).is_dir():
             if manifest.get("complete"):
                 raise BenchError(f"{folder / name}: is missing; the manifest names it.")
             continue
-        sequences.append(Sequence(folder / name, entry))
-    return Dataset(folder, manifest, tuple(sequences))
+        sequences[name] = Sequence(folder / name, entry)
+    return Dataset(folder, manifest, tuple(sequences.values()))
+
+
+def check_inside(folder: Path, path: Path) -> None:
+    """Raise BenchError unless a path is a plain file in a folder, links followed."""
+    real = os.path.realpath(path)
+    if not Path(real).is_relative_to(os.path.realpath(folder)):
+        raise BenchError(
+            f"{path}: is a link that leads out of the data set; copy it with its links followed "
+            "(cp -rL)."
+        )
+    if not Path(real).exists():
+        raise BenchError(f"{path}: is missing.")
+    if not Path(real).is_file():
+        raise BenchError(f"{path}: is no file.")
 
 
 def read_json(path: Path) -> dict[str, Any]:
@@ -322,19 +357,30 @@ def read_json(path: Path) -> dict[str, Any]:
     return record
 
 
-def read_table(path: Path, schema: pa.Schema) -> pa.Table:
-    """A Parquet file that has these columns. Raises BenchError where it has not."""
+def read_table(
+    path: Path, schema: pa.Schema, wanted: str = "", rows: int | None = None
+) -> pa.Table:
+    """The columns of a schema of a Parquet file, which may have more.
+
+    rows: how many it must have; wanted: the same in words. Raises BenchError where it has not.
+    """
     try:
         with pq.ParquetFile(path) as file:
-            if file.metadata.num_rows > MAX_ROWS:
-                raise BenchError(f"{path}: has more than {MAX_ROWS} rows.")
+            there = file.metadata
+            groups = [there.row_group(i).total_byte_size for i in range(there.num_row_groups)]
+            if there.num_rows > MAX_ROWS or sum(groups) > MAX_TABLE_BYTES:
+                raise BenchError(
+                    f"{path}: has more than {MAX_ROWS} rows or {MAX_TABLE_BYTES >> 30} GiB."
+                )
             missing = set(schema.names) - set(file.schema_arrow.names)
             if missing:
                 raise BenchError(f"{path}: lacks the columns {', '.join(sorted(missing))}.")
-            return file.read(columns=schema.names).cast(schema)
+            if rows is not None and there.num_rows != rows:
+                raise BenchError(f"{path}: must have {wanted}, has {there.num_rows}.")
+            return file.read(columns=schema.names).select(schema.names).cast(schema)
     except FileNotFoundError as fault:
         raise BenchError(f"{path}: is missing.") from fault
-    except (OSError, pa.ArrowException) as fault:
+    except (OSError, KeyError, ValueError, pa.ArrowException) as fault:
         said = str(fault).partition("\n")[0].rstrip(".")
         raise BenchError(f"{path}: cannot be read as Parquet: {said}.") from fault
 
@@ -349,13 +395,22 @@ def camera_of(record: Mapping[str, Any]) -> Camera:
     }
     if not all(np.isfinite(value).all() for value in numbers.values()):
         raise ValueError("the numbers of a camera must be finite")
-    return Camera(width_px=width, height_px=height, **numbers)
+    camera = Camera(width_px=width, height_px=height, **numbers)
+    fx, fy = np.diag(camera.K)[:2]
+    if not (fx > 0 and fy > 0 and np.array_equal(camera.K[2], [0.0, 0.0, 1.0])):
+        raise ValueError("K must have focal lengths above 0 and the last row 0 0 1")
+    R = camera.R_cw
+    if np.abs(R @ R.T - np.eye(3)).max() > ORTHONORMAL or np.linalg.det(R) < 0:
+        raise ValueError("R_cw must be a rotation")
+    return camera
 
 
 def _number(path: Path, record: Mapping[str, Any], key: str, least: float, most: float) -> float:
     value = record.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise BenchError(f"{path}: {key} must be a number.")
-    if not (math.isfinite(value) and least <= value <= most):
-        raise BenchError(f"{path}: {key} must be from {least:g} to {most:g}, got {value}.")
+    # A whole number of JSON may have any length: compared before it becomes a float.
+    if not (least <= value <= most and math.isfinite(value)):
+        said = str(value)[:20]
+        raise BenchError(f"{path}: {key} must be from {least:g} to {most:g}, got {said}.")
     return float(value)

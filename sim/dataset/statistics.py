@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
 from pjpdaf.errors import BenchError
-from pjpdaf.targets import HANDS, TARGETS
+from pjpdaf.targets import LEFT_HAND, RIGHT_HAND, TARGETS
 from sim.dataset.layout import TRUTH
 from sim.dataset.reader import Dataset, Sequence
 from sim.dataset.records import KEYPOINTS, NOT_LABELLED, VISIBLE
 from sim.world import CAMERAS
 
+HANDS = (RIGHT_HAND, LEFT_HAND)
 _PAIRS = tuple(combinations(TARGETS, 2))
 _POINTS = tuple(f"{TARGETS[target]}:{name}" for target, name in KEYPOINTS)
 _STATUSES = VISIBLE + 1
@@ -48,9 +49,8 @@ BINS: dict[str, Bins] = {
     "distance": Bins(
         "Distance from the left camera", "m", tuple(np.linspace(0.4, 2.4, 11).round(2).tolist())
     ),
-    "skin_tone": Bins(
-        "Skin tone of the sequences, ITA", "deg", (-60, -30, 10, 19, 28, 41, 55, 70)
-    ),
+    # Edges of the classes dark, brown, tan, intermediate, light, very light.
+    "skin_tone": Bins("Skin tone of the sequences, ITA", "deg", (-60, -30, 10, 28, 41, 55, 70)),
     "hand_speed": Bins(
         "Speed of the hands", "m/s", (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.5, 3.0, 6.0)
     ),
@@ -209,7 +209,7 @@ class _Parts:
         for view in CAMERAS:
             self._lost[view] += int((~_by_target(rows, f"arrived_{view}", bool)[0]).sum())
             shown = _by_target(rows, f"visible_fraction_{view}", np.float64)
-            amodal = _by_target(rows, f"amodal_{view}_px", np.int64)
+            amodal = _by_target(rows, f"amodal_{view}_px", np.float64)
             cut = _by_target(rows, f"truncation_{view}", np.float64)
             for t, target in enumerate(TARGETS):
                 inside = np.where(amodal[t] > 0, shown[t], np.nan)

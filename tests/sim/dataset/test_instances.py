@@ -24,7 +24,7 @@ from sim.world import build
 
 # Names that could be taken for other things.
 THINGS = tuple(
-    ObjectSpec(f"table {kind}", kind, (0.09, 0.09, 0.10), (0.1, 0.4, 0.5), (0.55, 0.1 * i - 0.7))
+    ObjectSpec(f"table {kind}", kind, (0.09, 0.09, 0.10), (0.1, 0.4, 0.5), (0.55, 0.09 * i - 0.55))
     for i, kind in enumerate(KINDS)
 )
 SCENE = SceneSpec(
@@ -85,7 +85,7 @@ def test_each_object_is_the_pixels_that_go_with_it(world, renderer):
     before = ids_of(world, renderer)
     far = Transform(np.array([0.5, 0.0, -9.0]), np.eye(3))
     pose = rest_pose(SCENE.anatomy)
-    for k, thing in enumerate(THINGS[:4]):
+    for k, thing in list(enumerate(THINGS))[4:8]:
         world.place(replace(pose, objects={thing.name: far}))
         geoms = renderer.view(0, colour=False, amodal=False).geoms
         after = instances_of(world).ids(geoms)

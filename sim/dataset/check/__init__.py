@@ -1,0 +1,1 @@
+"""What `sim.dataset.verify` looks at: one module a noun, each computed from the files alone."""

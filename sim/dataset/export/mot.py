@@ -1,0 +1,89 @@
+"""MOTChallenge's ground truth: a folder a sequence and view, and the 3-D variant beside it.
+
+Frames, ids and boxes count from 1; ids are 1 head, 2 right hand, 3 left hand; the class is 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from sim.dataset.export.folder import files_of, replaced_folder, sequences_of
+from sim.dataset.export.rows import Frame, box_of, frames_of
+from sim.dataset.reader import Dataset, Sequence
+from sim.world import CAMERAS
+
+FOLDER = "mot"
+CLASS = 1  # "pedestrian": the only one that MOTChallenge's readers score
+
+
+def export(
+    dataset: Dataset, into: Path, on_sequence: Callable[[str], None] = lambda name: None
+) -> list[Path]:
+    """Write `mot/<sequence>-<camera>/` and `mot/seqmaps/all.txt`; see `registry.Export`."""
+    folder = into / FOLDER
+    with replaced_folder(folder, "MOTChallenge's files") as part:
+        names = []
+        for sequence in sequences_of(dataset):
+            frames = frames_of(sequence)
+            for view, camera in enumerate(CAMERAS):
+                name = f"{sequence.name}-{camera}"
+                names.append(name)
+                _write(part / name / "seqinfo.ini", _seqinfo(sequence, view))
+                _write(part / name / "gt" / "gt.txt", _boxes(frames, camera))
+                _write(part / name / "gt" / "gt_3d.txt", _positions(frames, camera))
+            on_sequence(sequence.name)
+        _write(part / "seqmaps" / "all.txt", "".join(f"{name}\n" for name in ["name", *names]))
+    return files_of(folder)
+
+
+def _boxes(frames: list[Frame], camera: str) -> str:
+    """A line for each target that a picture shows."""
+    lines = []
+    for frame in frames:
+        for number, row in enumerate(frame.targets, 1):
+            corner = _corner(frame, number, camera)
+            if corner is not None:
+                share = row[f"visible_fraction_{camera}"]
+                lines.append(f"{frame.index + 1},{number},{corner},1,{CLASS},{share:.6f}\n")
+    return "".join(lines)
+
+
+def _positions(frames: list[Frame], camera: str) -> str:
+    """A line for each target in each frame: x, y, z [m]; hidden ones have no box, and active 0."""
+    lines = []
+    for frame in frames:
+        for number, row in enumerate(frame.targets, 1):
+            corner = _corner(frame, number, camera)
+            box = f"{corner},1" if corner is not None else "-1,-1,-1,-1,0"
+            place = ",".join(f"{row[f'{axis}_m']:.6f}" for axis in "xyz")
+            lines.append(f"{frame.index + 1},{number},{box},{place}\n")
+    return "".join(lines)
+
+
+def _corner(frame: Frame, number: int, camera: str) -> str | None:
+    """left,top,width,height counted from 1, None where no picture shows the target."""
+    box = box_of(frame.targets[number - 1], camera) if frame.arrived[camera] else None
+    if box is None:
+        return None
+    left, top, width, height = box
+    return f"{left + 1:g},{top + 1:g},{width:g},{height:g}"
+
+
+def _seqinfo(sequence: Sequence, view: int) -> str:
+    camera, size = CAMERAS[view], sequence.rig.cameras[view]
+    return (
+        "[Sequence]\n"
+        f"name={sequence.name}-{camera}\n"
+        f"imDir=../../{sequence.name}/{camera}\n"
+        f"frameRate={sequence.fps:g}\n"
+        f"seqLength={sequence.frame_count}\n"
+        f"imWidth={size.width_px}\n"
+        f"imHeight={size.height_px}\n"
+        "imExt=.png\n"
+    )
+
+
+def _write(path: Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="ascii")
