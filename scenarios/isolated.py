@@ -1,0 +1,69 @@
+"""Somebody else's code in a process of its own: what hangs or ends it becomes one line."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Callable
+from concurrent.futures import TimeoutError as FutureTimeout
+from typing import Any, TypeVar
+
+from pebble import ProcessExpired, ProcessPool
+
+from pjpdaf.conformance import cameras_in_front
+from pjpdaf.errors import BenchError
+from pjpdaf.parameters import PRESETS
+from pjpdaf.registry import make_detector, make_tracker
+
+BUILD_LIMIT_S = 120.0  # imports of large libraries included
+R = TypeVar("R")
+
+
+class Ended(BenchError):
+    """A process that gave no answer: it was ended, or ended itself."""
+
+
+def isolated(what: str, limit_s: float, function: Callable[..., R], *arguments: Any) -> R:
+    """`function(*arguments)` in a new process.
+
+    Raises Ended where it gives no answer within limit_s or ends the process, and the BenchError
+    that it raises itself.
+    """
+    spawn = multiprocessing.get_context("spawn")
+    pool = ProcessPool(max_workers=1, context=spawn)
+    try:
+        future = pool.schedule(_answer, args=(function, arguments), timeout=limit_s)
+        answer = future.result()
+    except FutureTimeout:
+        raise Ended(f"The {what} gives no answer within {limit_s:g} s.") from None
+    except ProcessExpired as death:
+        raise Ended(
+            f"The {what} ends the interpreter (exit code {death.exitcode}); it must raise instead."
+        ) from None
+    finally:
+        pool.stop()
+        pool.join()
+    if isinstance(answer, BenchError):
+        raise answer
+    return answer
+
+
+def _answer(function: Callable[..., R], arguments: tuple[Any, ...]) -> R | BenchError:
+    try:
+        return function(*arguments)
+    except BenchError as fault:
+        return BenchError(str(fault))  # those with fields of their own do not survive pickling
+
+
+def try_plug_ins(detector: str, tracker: str, limit_s: float = BUILD_LIMIT_S) -> None:
+    """Build both once where a fault cannot do harm; those of a preset need no trial.
+
+    Raises BenchError.
+    """
+    for kind, name in (("detector", detector), ("tracker", tracker)):
+        if name not in PRESETS:
+            isolated(f"{kind} {name!r}", limit_s, _build, kind, name)
+
+
+def _build(kind: str, name: str) -> None:
+    make = make_detector if kind == "detector" else make_tracker
+    make(name, cameras_in_front())
