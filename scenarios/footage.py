@@ -46,7 +46,9 @@ def jobs_of(
     pictures: keep some of the first seed of each name; films: keep all of all. Raises BenchError
     for a recipe that cannot be read, a name or detector or tracker that does not exist.
     """
-    jobs = [replace(job_of(one), system=system, keep_film=films) for one in dataset.sequences]
+    # Of a copy: what a sequence has read would stay with it, and there may be thousands.
+    found = [job_of(replace(one)) for one in dataset.sequences]
+    jobs = [replace(job, system=system, keep_film=films) for job in found]
     names = list(dict.fromkeys(job.name for job in jobs))
     for name in only:
         if name not in names:

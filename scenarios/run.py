@@ -26,6 +26,7 @@ from scenarios.concrete import SETTINGS, concrete, in_si, perform, setting_of
 from scenarios.execute import EPISODE_TIME_LIMIT_S, Played, play_all
 from scenarios.filming import rig_of
 from scenarios.footage import jobs_of, open_with_sequences, renderer_of
+from scenarios.isolated import try_plug_ins
 from scenarios.lock import stamp
 from scenarios.parameters import File, nearest
 from scenarios.parts import Part, parts_of
@@ -301,6 +302,7 @@ def run_suite(request: RunRequest) -> None:
     """Play, score, save and print. Raises BenchError; SystemExit(130) after Ctrl-C."""
     workers = worker_count(request.jobs)
     find_plug_ins_here(request.detector, request.tracker)
+    try_plug_ins(request.detector, request.tracker)
     jobs = plan(request)
     names = request.targets if request.dataset is None else (request.dataset.absolute().name,)
     folder = request.out or default_folder(names)

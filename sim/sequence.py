@@ -129,6 +129,8 @@ class Simulation:
         Table, chair and objects stay. Each has noise of its own, apart from all frames' noise. All
         are there and in time: whoever learns can wait.
         """
+        if self.performance.background_frames == 0:
+            return []
         first = self.performance.script.pose(0.0)
         places = MappingProxyType({**first.objects, **self.performance.learnt})
         self._world.place(replace(first, objects=places))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from pjpdaf.arrays import Floats
+from pjpdaf.camera import Camera
 from pjpdaf.targets import TARGETS
 from sim.dataset.instances import FIRST_OBJECT, Instances, instances_of
 from sim.dataset.keypoints import Keypoints
@@ -22,11 +23,12 @@ from sim.dataset.records import (
     ObjectState,
     ViewLabels,
 )
-from sim.dataset.stereo import Depths, Float32s, PicturePair, RectifiedPair
+from sim.dataset.stereo import Depths, Float32s, PicturePair, RectifiedPair, shown
 from sim.kinematics import about_z
 from sim.labels import VELOCITY_STEP_S
-from sim.lens import ideal_pixels
+from sim.lens import Lens
 from sim.pose import Pose, Transform
+from sim.rays import cast
 from sim.render import StereoRenderer, ViewRender
 from sim.sequence import Shot, Simulation
 from sim.world import World
@@ -57,9 +59,8 @@ class Labeller:
         self._keypoints = Keypoints(scene.anatomy)
         self._rectified = RectifiedPair(world.rig, world.lenses) if DISPARITY in wanted else None
         self._matches = PicturePair(world.rig, world.lenses) if CORRESPONDENCE in wanted else None
-        # Pixels of the ideal picture that a real pixel stands for.
-        self._areas = [
-            _areas(ideal_pixels(camera)) if lens else None
+        self._bent = [
+            _Bent.of(camera, lens) if lens else None
             for camera, lens in zip(world.rig.cameras, world.lenses, strict=True)
         ]
 
@@ -99,8 +100,10 @@ class Labeller:
         self, world: World, renderer: StereoRenderer, index: int, view: ViewRender
     ) -> _Looked:
         assert view.amodal is not None
-        cut = any(not mask.any() or touches_border(mask) for mask in view.amodal)
-        beyond = renderer.amodal_beyond(index) if cut else None
+        inside = beyond = None
+        if any(not mask.any() or touches_border(mask) for mask in view.amodal):
+            beyond = renderer.amodal_beyond(index)
+            inside = self._inside(world, index, view.amodal)
         rectified = other = None
         if index == 0:
             pair, skewed = self._rectified, bool(world.scene and world.scene.sensor.skew_s > 0)
@@ -109,7 +112,7 @@ class Labeller:
                 rectified = left, right
             if skewed and (self._matches is not None or (pair is not None and not pair.drawn)):
                 other = _depth(renderer.view(1, colour=False, amodal=False))
-        return _Looked(beyond, rectified, other)
+        return _Looked(inside, beyond, rectified, other)
 
     def _view(self, index: int, shot: Shot, pose: Pose, depth_m: Float32s) -> ViewLabels:
         """One view's labels but for those of the pair; pose: of its own moment."""
@@ -128,12 +131,26 @@ class Labeller:
             instances=instances,
             amodal=view.amodal,
             amodal_boxes_px=np.array([box_of(mask) for mask in view.amodal]),
-            truncation=truncation(view.amodal, looked.beyond, self._areas[index], in_frame),
+            truncation=truncation(view.amodal, looked.inside, looked.beyond, in_frame),
             hidden_px=hidden(view.amodal, instances, self.instances.highest),
             keypoints_px=pixels,
             keypoint_status=status,
             objects_px=counts[FIRST_OBJECT:].astype(np.int64),
         )
+
+    def _inside(self, world: World, index: int, amodal: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Pixels (T,) of the amodal masks, of the raster in which `amodal_beyond` counts."""
+        bent = self._bent[index]
+        if bent is None:
+            return np.asarray(np.count_nonzero(amodal, axis=(1, 2)), np.int64)
+        skins = np.append(world.targets, np.int8(-1))
+        counts = np.zeros(len(amodal), np.int64)
+        for target, (mask, group) in enumerate(zip(amodal, world.amodal_groups, strict=True)):
+            if mask.any():
+                pixels = bent.around(box_of(mask))
+                geoms, _ = cast(world, bent.ideal, pixels, (group,))
+                counts[target] = np.count_nonzero(skins[geoms] == target)
+        return counts
 
     def _objects(self, pose: Pose) -> tuple[ObjectState, ...]:
         """All objects in the order of the scene."""
@@ -165,13 +182,41 @@ Both = tuple[Matches, Matches] | tuple[None, None]
 class _Looked:
     """What is rendered for labels alone while the world stands in a view's pose.
 
-    beyond: `StereoRenderer.amodal_beyond`, where a target may be cut off; with the left view also
-    rectified: depths of the rectified pair; other: the right view's depth at the left's moment.
+    Where a target may be cut off, inside (T,): pixels of its amodal mask inside the picture, beyond
+    (T,): with those beyond it, of one raster. With the left view also rectified: depths of the
+    rectified pair; other: the right view's depth at the left's moment.
     """
 
+    inside: NDArray[np.int64] | None
     beyond: NDArray[np.int64] | None
     rectified: Depths | None
     other: Float32s | None
+
+
+@dataclass(frozen=True, eq=False)
+class _Bent:
+    """The ideal picture of a view with a lens: its camera, and those of its pixels (n, 2) that the
+    real picture shows, with their places (n, 2) there.
+    """
+
+    ideal: Camera
+    pixels: Floats
+    real: Float32s
+
+    @staticmethod
+    def of(camera: Camera, lens: Lens) -> _Bent:
+        rows, columns = np.mgrid[: lens.ideal.height_px, : lens.ideal.width_px]
+        pixels = np.column_stack([columns.ravel(), rows.ravel()]).astype(np.float64)
+        at = (pixels + camera.K[:2, 2] - lens.ideal.K[:2, 2]).astype(np.float32)
+        real = np.column_stack(shown(camera, lens, at[:, 0], at[:, 1]))
+        size = np.array([camera.width_px, camera.height_px])
+        inside = ((real >= -0.5) & (real < size - 0.5)).all(axis=1)
+        return _Bent(lens.ideal, pixels[inside], real[inside])
+
+    def around(self, box: Floats) -> Floats:
+        """The ideal pixels (n, 2) in and just around a box of real ones."""
+        low, high = box[:2] - 1, box[:2] + box[2:]
+        return self.pixels[((self.real >= low) & (self.real <= high)).all(axis=1)]
 
 
 def box_of(mask: NDArray[np.bool_]) -> Floats:
@@ -190,30 +235,26 @@ def touches_border(mask: NDArray[np.bool_]) -> bool:
 
 def truncation(
     amodal: NDArray[np.bool_],
+    inside: NDArray[np.int64] | None,
     beyond: NDArray[np.int64] | None,
-    areas: Floats | None,
     in_frame: NDArray[np.bool_],
 ) -> Floats:
     """Share (T,) of each target's amodal pixels that lies outside the picture.
 
-    beyond (T,): pixels with those beyond the border, out to half the picture's size, None where no
-    target can be cut off. Exactly 0 for a mask that is clear of the border. areas (h, w): with a
-    lens `beyond` counts pixels of the ideal picture; this many of them are one real pixel. There
-    the share is off by what a silhouette's pixels are cut (less than 0.01). in_frame (T,): whether
-    the target's centre is in the picture; of one that shows nowhere (its own hair hides it, or it
-    is farther out) this decides for 0 or 1.
+    Exactly 0 for a mask that is clear of the border. inside (T,): pixels inside the picture; beyond
+    (T,): with those beyond its border, out to half the picture's size; of one raster, with a lens
+    the ideal picture's; None where no target can be cut off. in_frame (T,): whether the target's
+    centre is in the picture; of one that shows nowhere (its own hair hides it, or it is farther
+    out) this decides for 0 or 1.
     """
     share = np.zeros(len(amodal))
+    if inside is None or beyond is None:
+        return share
     for target, mask in enumerate(amodal):
-        empty = not mask.any()
-        if beyond is None or not (empty or touches_border(mask)):
-            continue
-        inside = float(np.count_nonzero(mask) if areas is None else areas[mask].sum())
-        total = float(beyond[target])
-        if empty and total == 0:
-            share[target] = not in_frame[target]
-        else:
-            share[target] = max(1 - inside / max(total, 1.0), 0.0)
+        if not mask.any():
+            share[target] = beyond[target] > 0 or not in_frame[target]
+        elif touches_border(mask):
+            share[target] = max(1 - float(inside[target]) / max(float(beyond[target]), 1.0), 0.0)
     return share
 
 
@@ -224,12 +265,6 @@ def hidden(
     found = np.array([np.bincount(instances[mask], minlength=highest + 1) for mask in amodal])
     found[np.arange(len(TARGETS)), 1 + np.arange(len(TARGETS))] = 0
     return found.astype(np.int64)
-
-
-def _areas(ideal_px: Floats) -> Floats:
-    """Area (h, w) in the ideal picture of each real pixel, from their places in it (h, w, 2)."""
-    down, right = (np.asarray(np.gradient(ideal_px, axis=axis)) for axis in (0, 1))
-    return np.asarray(right[..., 0] * down[..., 1] - right[..., 1] * down[..., 0])
 
 
 def _depth(view: ViewRender) -> Float32s:

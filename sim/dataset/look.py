@@ -16,7 +16,7 @@ from sim.dataset.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN
 Image = NDArray[np.uint8]
 Colour = tuple[int, int, int]
 
-NEAR_M, FAR_M = 0.4, 4.0  # red and blue; in between the colour goes with 1 / depth
+NEAR_M, FAR_M = 0.5, 4.0  # red and blue; in between the colour goes with 1 / depth
 EMPTY: Colour = (38, 34, 32)
 # BGR; told apart by the colour-blind as well, and bright on a dark picture.
 TARGET_COLOURS: tuple[Colour, ...] = ((94, 143, 255), (160, 220, 63), (255, 189, 116))

@@ -6,7 +6,7 @@ depth is nearer than it in all pixels around its place (the four of the pictures
 in the rectified pair), by more than the width of a pixel there. Depth between pixels is never
 mixed: on a plane, however slanted, no point lies behind the farthest of the pixels around it, and
 in a square corner by less than a pixel's width. So a surface never hides itself, and a point within
-a pixel behind an edge may still be called SEEN.
+a pixel behind an edge, or in the outer half of the border's pixels, may still be called SEEN.
 """
 
 from __future__ import annotations
@@ -171,10 +171,10 @@ def _status(
 def _farthest(depth_m: Float32s, rows: bool) -> Float32s:
     """The farthest of pixels (x - 1, x) and, where asked for, of rows (y - 1, y) as well.
 
-    (h or h + 1, w + 1); infinite where one of them shows nothing, the border's pixels repeated.
+    (h or h + 1, w + 1); infinite where one of them shows nothing or is outside the picture.
     """
     far = np.where(np.isfinite(depth_m), depth_m, np.float32(np.inf))
-    far = np.pad(far, ((int(rows), int(rows)), (1, 1)), mode="edge")
+    far = np.pad(far, ((int(rows), int(rows)), (1, 1)), constant_values=np.inf)
     far = np.maximum(far[:, :-1], far[:, 1:])
     return np.maximum(far[:-1], far[1:]) if rows else far
 

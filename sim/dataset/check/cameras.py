@@ -10,13 +10,25 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from pjpdaf.calibration import EXTRINSICS, INTRINSICS, read_rig, rectify
-from pjpdaf.camera import Camera, StereoRig
+from pjpdaf.camera import DISTORTION_LENGTHS, Camera, StereoRig
 from pjpdaf.errors import BenchError
 from sim.dataset.check.fault import Fault, fault_of
 from sim.dataset.layout import CALIBRATION, ERROR_FREE, RIG
 from sim.dataset.reader import Sequence
+from sim.lens import check
 
+_LENS = max(DISTORTION_LENGTHS)
 SAME = 1e-7  # of numbers that were written with all their digits [px, m, 1]
+
+
+def usable(rig: StereoRig) -> bool:
+    """Whether rays can be cast through these cameras."""
+    left, right = rig.cameras
+    return (
+        not any(what for camera in rig.cameras for what in _implausible(camera))
+        and (left.width_px, left.height_px) == (right.width_px, right.height_px)
+        and float(np.linalg.norm(rig.T)) > SAME
+    )
 
 
 def camera_faults(root: Path, sequence: Sequence) -> Iterator[Fault]:
@@ -31,6 +43,9 @@ def camera_faults(root: Path, sequence: Sequence) -> Iterator[Fault]:
         for name, camera in zip(("left", "right"), rig.cameras, strict=True):
             for what in _implausible(camera):
                 yield Fault(path, f"{key}.{name}: {what}")
+        sizes = {(camera.width_px, camera.height_px) for camera in rig.cameras}
+        if len(sizes) > 1:
+            yield Fault(path, f"{key}: the two cameras' pictures are of different sizes")
         if rig.T[0] >= 0:
             yield Fault(path, f"{key}: the right camera is not right of the left one")
     shared = [CALIBRATION] if (root / CALIBRATION).is_dir() else []
@@ -46,6 +61,11 @@ def _implausible(camera: Camera) -> Iterator[str]:
     lower = np.abs([K[0, 1], K[1, 0], K[2, 0], K[2, 1], K[2, 2] - 1.0])
     if not (K[0, 0] > 0 and K[1, 1] > 0 and lower.max() < SAME):
         yield "K is not [fx 0 cx; 0 fy cy; 0 0 1] with fx, fy above 0"
+        return
+    try:
+        check(camera)
+    except ValueError as error:
+        yield str(error)
 
 
 def _calibration_faults(root: Path, folder: str, rig: StereoRig, other: str) -> Iterator[Fault]:
@@ -60,9 +80,8 @@ def _calibration_faults(root: Path, folder: str, rig: StereoRig, other: str) -> 
         if (mine.width_px, mine.height_px) != (its.width_px, its.height_px):
             yield Fault(inner, f"image_width, image_height differ from {other}")
         yield from _compared(inner, f"M{number}", mine.K, its.K, other, "px")
-        long = max(len(mine.distortion), len(its.distortion))
-        lenses = [np.resize(np.append(c.distortion, np.zeros(long)), long) for c in (mine, its)]
-        yield from _compared(inner, f"D{number}", lenses[0], lenses[1], other, "")
+        mine_d, its_d = (np.pad(c.distortion, (0, _LENS - len(c.distortion))) for c in (mine, its))
+        yield from _compared(inner, f"D{number}", mine_d, its_d, other, "")
     yield from _compared(outer, "R", file.R, rig.R, other, "")
     yield from _compared(outer, "T", file.T, rig.T, other, "m")
     derived = rectify(file)[:5]

@@ -30,12 +30,21 @@ def replaced_folder(folder: Path, what: str) -> Iterator[Path]:
         part.mkdir()
         try:
             yield part
-            if folder.exists() or folder.is_symlink():
-                folder.rename(old)
-            part.rename(folder)
+            _put_in_place(part, folder, old)
         finally:
             _remove(part)
-            _remove(old)
+
+
+def _put_in_place(part: Path, folder: Path, old: Path) -> None:
+    if folder.exists() or folder.is_symlink():
+        folder.rename(old)
+    try:
+        part.rename(folder)
+    except OSError:
+        if old.exists():
+            old.rename(folder)
+        raise
+    _remove(old)
 
 
 def files_of(folder: Path) -> list[Path]:

@@ -28,7 +28,7 @@ SCENE = SceneSpec(
     rig=RigSpec(tilt_rad=0.28, vergence_rad=0.05, distortion=(-0.2, 0.05, 0.001, -0.0008)),
 )
 SEEDS = range(100, 130)
-OFTEN = 12  # poses of a seed
+OFTEN = 10  # poses of a seed
 
 
 @pytest.fixture(scope="module")

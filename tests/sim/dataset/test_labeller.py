@@ -90,10 +90,10 @@ EFFECTS = SensorSpec(exposure_time_s=0.01, skew_s=0.03, noise_sd=2.0)
 )
 def test_labels_change_no_byte_of_a_shot(playing):
     with Simulation(playing) as simulation:
-        bare = [simulation.shot(index) for index in range(7, 10)]
+        bare = [simulation.shot(index) for index in range(8, 10)]
     with Simulation(playing) as simulation:
         labeller = Labeller(simulation)
-        labelled = [labeller.labelled(index)[0] for index in (9, 8, 7)][::-1]
+        labelled = [labeller.labelled(index)[0] for index in (9, 8)][::-1]
     for one, other in zip(bare, labelled, strict=True):
         assert one.frame.time_s == other.frame.time_s
         assert one.looks == other.looks == (None, None)
@@ -142,7 +142,7 @@ def test_depth_is_nan_exactly_where_nothing_is(plain):
         np.testing.assert_array_equal(said.depth_m[there], view.depth_m[there])
 
 
-def check_counts(shot, labels, slivers=12):
+def check_counts(shot, labels, slivers=2):
     """Visible and hidden pixels make up the amodal mask, but for slivers of an outline."""
     for truth, said in zip(shot.truth.views, labels.views, strict=True):
         whole = np.count_nonzero(said.amodal, axis=(1, 2))
@@ -218,8 +218,8 @@ def by_rays(simulation, view, target):
 
 @pytest.mark.parametrize("distortion", [(), BENT], ids=["pinhole", "lens"])
 def test_truncation_is_the_share_beyond_the_border(distortion):
-    rig = replace(RIG, distortion=distortion)
-    shares = []
+    rig = replace(SMALL, distortion=distortion)
+    shares, off = [], []
     with Simulation(performance(Leaving(), rig)) as simulation:
         labeller = Labeller(simulation, ())
         for index in (0, 7, 8, 9, 10, 19):
@@ -230,11 +230,12 @@ def test_truncation_is_the_share_beyond_the_border(distortion):
             shares.append(share)
             np.testing.assert_array_equal(said.truncation[[HEAD, RIGHT_HAND]], 0.0)
             if 0 < share < 1:
-                assert share == pytest.approx(by_rays(simulation, 1, LEFT_HAND), abs=0.01)
+                off.append(abs(share - by_rays(simulation, 1, LEFT_HAND)))
             own = [k for k, (target, _) in enumerate(KEYPOINTS) if target == LEFT_HAND]
             outside = said.keypoint_status[own] == NOT_LABELLED
             assert outside.all() if share == 1 else not outside.all()
-    print("truncation", shares)
+    print("truncation off by", off)
+    assert max(off) < 0.005
     assert shares[0] == 0.0
     assert shares[-1] == 1.0
     assert (np.diff(shares) >= 0).all()
@@ -273,7 +274,8 @@ def test_poses_are_those_of_the_shot(plain):
 
 
 def test_objects_are_where_they_are_drawn(plain):
-    simulation, (shot, labels) = plain
+    simulation, _ = plain
+    shot, labels = Labeller(simulation, ()).labelled(3)  # poses the world
     world = simulation.world
     assert [thing.name for thing in labels.objects] == ["can", "box"]
     for thing in labels.objects:

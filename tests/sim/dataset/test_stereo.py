@@ -216,7 +216,8 @@ def test_a_board_hides_as_much_as_it_moves_more(kind, seed):
     shift = bf / near - bf / far
     for found in (left, right):
         count = (found.status[150] == HIDDEN).sum()
-        assert shift - 2 <= count <= shift + 1
+        # Edges lie within a pixel of where they are drawn, and a pixel behind one is seen.
+        assert shift - 4 <= count <= shift + 1
         assert (found.status[5] == NO_SURFACE).all()
         assert (found.status[400] == HIDDEN).sum() == 0
         assert (found.status[400] == OUT_OF_FRAME).sum() == pytest.approx(bf / far, abs=1)
