@@ -95,6 +95,7 @@ def conventions() -> dict[str, Any]:
         "size beyond each border",
         "box": "x, y, width, height of the visible skin, 0-based, width = max - min + 1",
         "keypoints": [f"{target}:{name}" for target, name in _keypoint_names()],
+        "keypoint_meaning": "a finger tip is the end of its last bone, 6 to 8 mm inside the drawn tip",
         "keypoint_status": {"0": "outside the picture", "1": "occluded", "2": "visible"},
         "disparity": {
             "meaning": "x_left - x_right on the pair rectified by R1 R2 P1 P2 of extrinsics.yml",
@@ -102,10 +103,11 @@ def conventions() -> dict[str, Any]:
             "invalid": 0,
         },
         "occlusion": {
-            str(NO_SURFACE): "no surface",
+            str(NO_SURFACE): "no surface, or outside the real picture",
             str(SEEN): "seen in the other view",
             str(HIDDEN): "hidden in the other view",
             str(OUT_OF_FRAME): "outside the other view",
+            "bound": "within 1 px behind an edge, hidden may be called seen",
         },
         "correspondence": {
             "meaning": "where the surface of a pixel lies in the other view's picture; channels of "
