@@ -88,7 +88,8 @@ def clips(
 
     on_frame is called after each frame that was looked at.
     """
-    room, found = most_bytes, []
+    room = most_bytes
+    found: list[Clip] = []
     with ThreadPoolExecutor(THREADS) as pool:
         for sequence in sequences:
             clip, size = _clip(sequence, room, pool, on_frame)

@@ -64,6 +64,8 @@ def _recording(rr: Any, dataset: Dataset, sequences: Sequence[Recorded]) -> byte
     identity = hashlib.sha256(named.encode()).hexdigest()[:32]
     # Its own properties are the wall-clock time and the program's name.
     stream = rr.RecordingStream(APPLICATION, recording_id=identity, send_properties=False)
+    if hasattr(stream, "set_log_time_enabled"):  # of newer ones; the wall clock is no label
+        stream.set_log_time_enabled(False)
     if not rr.is_enabled(stream):
         raise InfrastructureError("Rerun is switched off by the variable RERUN: unset it.")
     buffer = stream.binary_stream()

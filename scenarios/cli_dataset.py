@@ -98,6 +98,22 @@ def make(
     )
 
 
+@app.command()
+def export(
+    folder: Folder,
+    to: Formats = "coco,mot",
+) -> None:
+    """Write a data set in other formats too, into its own folder; older ones are replaced.
+
+    coco: annotations/, mot: mot/, webdataset: webdataset/ (tar files), parquet: parquet/ (with the
+    pictures in it, as Hugging Face's `datasets` reads it).
+    """
+    from scenarios.datasets import export_again
+
+    for path in export_again(folder, formats_named(to)):
+        typer.echo(path)
+
+
 def formats_named(words: str) -> tuple[str, ...]:
     """The formats of a text such as "coco,mot"; "none". Raises BenchError for an unknown one."""
     from sim.dataset.layout import EXPORTS

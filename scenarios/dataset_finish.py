@@ -6,17 +6,15 @@ import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
+from sim.dataset.export.registry import EXPORTS
 from sim.dataset.layout import CALIBRATION
 from sim.dataset.reader import Dataset
 from sim.files import disk_faults, part_folder
 
 
-def write_exports(dataset: Dataset, exports: Sequence[str]) -> None:
-    """The data set in other formats. Raises BenchError."""
-    for name in exports:
-        from sim.dataset.export.registry import EXPORTS
-
-        EXPORTS[name](dataset, dataset.folder)
+def write_exports(dataset: Dataset, exports: Sequence[str]) -> list[Path]:
+    """The data set in other formats; the files of each. Raises BenchError."""
+    return [path for name in exports for path in EXPORTS[name](dataset, dataset.folder)]
 
 
 def write_calibration(dataset: Dataset) -> None:

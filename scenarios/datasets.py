@@ -26,6 +26,7 @@ from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.registry import described
 from reports.provenance import PACKAGES, provenance
 from scenarios.concrete import setting_of
+from scenarios.dataset_finish import write_exports, write_top
 from scenarios.execute import ATTEMPTS, WORKER_ENVIRONMENT, renderer_of, worker_pool
 from scenarios.folder import written_whole
 from scenarios.ladder import rungs_of
@@ -302,8 +303,6 @@ def finish(
     exports: Sequence[str],
 ) -> None:
     """Write all that is made from the finished sequences; the manifest that says so is the last."""
-    from scenarios.dataset_finish import write_exports, write_top
-
     write_manifest(out, manifest_record(entries, settings, made_with, complete=False))
     dataset = open_dataset(out)
     write_exports(dataset, exports)
@@ -311,6 +310,20 @@ def finish(
     write_top(dataset)
     write_manifest(out, manifest_record(entries, settings, made_with, complete=True))
     write_sums(out, [entry.folder for entry in entries])
+
+
+def export_again(folder: Path, exports: Sequence[str]) -> list[Path]:
+    """`dataset export`: the formats, and the checksums of the whole anew; the files written.
+
+    Raises BenchError, also where the data set is not finished.
+    """
+    dataset = open_dataset(folder)
+    if not dataset.manifest.get("complete"):
+        raise BenchError(f"{folder}: is not finished; give the command that made it once more")
+    with _alone(folder):
+        written = write_exports(dataset, exports)
+        write_sums(folder, [sequence.name for sequence in dataset.sequences])
+    return written
 
 
 def write_sums(out: Path, sequences: Sequence[str]) -> None:

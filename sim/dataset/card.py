@@ -126,10 +126,10 @@ def sample_jpeg(dataset: Dataset) -> bytes:
 
     Of sequences spread evenly over the data set, of each the frame in which most is hidden.
     """
+    if not dataset.sequences:
+        raise BenchError(f"{dataset.folder}: has no finished sequence; there is nothing to show.")
     chosen = np.linspace(0, len(dataset.sequences) - 1, SAMPLE_ROWS).round().astype(int)
     sequences = [dataset.sequences[i] for i in sorted(set(chosen.tolist()))]
-    if not sequences:
-        raise BenchError(f"{dataset.folder}: has no finished sequence; there is nothing to show.")
     rows = [_sample_row(sequence) for sequence in sequences]
     # Rigs may differ in their pictures' shape.
     height = max(tile.shape[0] for row in rows for tile in row.values())

@@ -95,7 +95,8 @@ def conventions() -> dict[str, Any]:
         "size beyond each border",
         "box": "x, y, width, height of the visible skin, 0-based, width = max - min + 1",
         "keypoints": [f"{target}:{name}" for target, name in _keypoint_names()],
-        "keypoint_meaning": "a finger tip is the end of its last bone, 6 to 8 mm inside the drawn tip",
+        "keypoint_meaning": "a finger tip is the end of its last bone, 6 to 8 mm inside the drawn "
+        "tip",
         "keypoint_status": {"0": "outside the picture", "1": "occluded", "2": "visible"},
         "disparity": {
             "meaning": "x_left - x_right on the pair rectified by R1 R2 P1 P2 of extrinsics.yml",

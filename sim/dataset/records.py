@@ -39,8 +39,8 @@ class Matches:
     Of the rectified pair: disparity_px (h, w) float32, x_left - x_right >= 0, NaN where there is no
     surface or the real picture does not reach. Of the pictures as they are: places_px (h, w, 2)
     float32, pixel of the other picture, also outside it; NaN where there is no surface, and behind
-    the other camera or beyond its lens. status (h, w) uint8: NO_SURFACE, SEEN, HIDDEN or OUT_OF_FRAME in the
-    other view.
+    the other camera or beyond its lens. status (h, w) uint8: NO_SURFACE, SEEN, HIDDEN or
+    OUT_OF_FRAME in the other view.
     """
 
     status: NDArray[np.uint8]
@@ -57,9 +57,9 @@ class ViewLabels:
     x, y, width, height, 0-based, NaN where empty. truncation (T,): share of the amodal target that
     lies outside the picture, 1 where all of it does. hidden_px (T, I) int64: pixels of the amodal
     mask that show instance i instead. keypoints_px (K, 2): in the real picture, NaN behind the
-    camera and beyond its lens; keypoint_status (K,) int8: NOT_LABELLED outside the picture, OCCLUDED or VISIBLE.
-    objects_px (O,) int64: visible pixels of the objects. rectified, matches: `Matches` of the
-    rectified pair, and of the pictures as they are, where asked for.
+    camera and beyond its lens; keypoint_status (K,) int8: NOT_LABELLED outside the picture,
+    OCCLUDED or VISIBLE. objects_px (O,) int64: visible pixels of the objects. rectified, matches:
+    `Matches` of the rectified pair, and of the pictures as they are, where asked for.
     """
 
     depth_m: NDArray[np.float32]

@@ -291,4 +291,4 @@ def shares(counts: Iterable[int]) -> list[float]:
 
 def _by_target(rows: pd.DataFrame, column: str, dtype: type) -> NDArray[Any]:
     """A column as (T, frames); no value is NaN."""
-    return rows[column].to_numpy(dtype).reshape(-1, len(TARGETS)).T
+    return np.asarray(rows[column].to_numpy(dtype)).reshape(-1, len(TARGETS)).T

@@ -152,7 +152,7 @@ def _plan(root: Path) -> _Plan:
 
 def _entries(manifest: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
     listed = manifest.get("sequences")
-    found = {}
+    found: dict[str, Mapping[str, Any]] = {}
     for entry in listed if isinstance(listed, list) else []:
         name = entry.get("folder") if isinstance(entry, dict) else None
         if isinstance(name, str) and is_sequence_name(name):
@@ -173,7 +173,8 @@ def _manifest_faults(manifest: Mapping[str, Any]) -> Iterator[Fault]:
     if not isinstance(listed, list) or len(entries) != len(listed):
         yield Fault(MANIFEST, "sequences is not a list of folders seq_NNNNNN, each once")
     frames = [entry.get("frames") for entry in entries.values()]
-    if not all(type(n) is int for n in frames) or sum(frames) != manifest.get("total_frames"):
+    whole = sum(n for n in frames if type(n) is int)
+    if None in frames or whole != manifest.get("total_frames"):
         yield Fault(MANIFEST, "total_frames is not the sum of the sequences' frames")
 
 

@@ -81,8 +81,8 @@ def copied(made, tmp_path):
 
 
 def request(dataset, **changes):
-    asked = RunRequest((), None, "thesis", "thesis", "thesis", (), 1, None, (), dataset=dataset)
-    return replace(asked, **changes)
+    asked = RunRequest((), None, "thesis", "thesis", "thesis", (), 1, None, ())
+    return replace(asked, dataset=dataset, **changes)
 
 
 @pytest.fixture(scope="module")
@@ -129,15 +129,14 @@ run_suite(RunRequest((), None, "thesis", "thesis", "thesis", (), int(jobs), Path
 """
 
 
-@pytest.mark.parametrize("jobs", [2])
-def test_a_whole_run_needs_no_renderer(made, live, tmp_path, jobs):
+def test_a_whole_run_needs_no_renderer(made, live, tmp_path):
     blocked = tmp_path / "blocked"
     blocked.mkdir()
     for name in ("mujoco", "OpenGL"):
         (blocked / f"{name}.py").write_text("raise ImportError('blocked')")
     path = os.pathsep.join([str(blocked), str(ROOT)])
     done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, str(tmp_path / "run"), str(jobs), str(made)],
+        [sys.executable, "-c", SCRIPT, str(tmp_path / "run"), "2", str(made)],
         env={**os.environ, "PYTHONPATH": path, "MUJOCO_GL": "disabled"},
         capture_output=True,
         text=True,
@@ -183,7 +182,7 @@ def test_another_tracker_gives_another_result_on_the_same_pictures(made, kept):
 )
 def test_what_does_not_fit_is_one_line_before_anything_is_played(made, changes, said):
     with pytest.raises(BenchError) as caught:
-        plan(request(made, **changes))
+        plan(replace(request(made), **changes))
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
 

@@ -26,6 +26,7 @@ SHARE, METRES, STAMP_S = 1e-6, 1e-6, 1e-9  # to which they are written
 CENTROID_PX = 1e-6
 
 Held = Mapping[str, Numbers | None]
+Record = dict[str, Any]
 
 
 def export_faults(tree: Tree, held: Held) -> Iterator[Fault]:
@@ -50,7 +51,7 @@ def export_faults(tree: Tree, held: Held) -> Iterator[Fault]:
                 yield from _mot_faults(tree, view, numbers)
 
 
-def _coco(path: Path) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+def _coco(path: Path) -> tuple[list[Record], list[Record]]:
     """Its images and annotations; of a file too large to be taken whole, line by line."""
     if path.stat().st_size <= MAX_JSON_BYTES:
         record = read_json(path)
@@ -67,7 +68,7 @@ def _coco(path: Path) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     return images, annotations
 
 
-def _needed(annotation: dict[str, Any]) -> dict[str, Any]:
+def _needed(annotation: Record) -> Record:
     wanted = ("image_id", "track_id", "bbox", "area", "segmentation", "visible_fraction")
     return {key: annotation[key] for key in wanted if key in annotation}
 
@@ -79,7 +80,7 @@ def _coco_faults(
     annotations: list[dict[str, Any]],
     held: Held,
 ) -> Iterator[Fault]:
-    found: dict[tuple[str, int], dict[int, dict[str, Any]]] = {}
+    found: dict[tuple[str, int], dict[int, Record]] = {}
     places = {}
     for image in images:
         key = image["sequence"], image["frame_index"]
@@ -109,7 +110,7 @@ def _coco_sequence(
     file: str,
     view: int,
     numbers: Numbers,
-    found: Mapping[tuple[str, int], Mapping[int, dict[str, Any]]],
+    found: Mapping[tuple[str, int], Mapping[int, Record]],
 ) -> Iterator[Fault]:
     """The first fault of each kind in a sequence, with how many more there are."""
     kinds: dict[str, list[str]] = {}
@@ -139,7 +140,7 @@ def _coco_sequence(
 
 
 def _annotation(
-    one: Mapping[str, Any], number: int, numbers: Numbers, view: int, index: int
+    one: Record, number: int, numbers: Numbers, view: int, index: int
 ) -> Iterator[tuple[str, str]]:
     area, centroid, box = run_lengths(one["segmentation"], numbers.size_px)
     t = number - 1

@@ -171,11 +171,12 @@ def float_faults(frame: Frame, view: int) -> list[Fault]:
     if eye.floats is None:
         return []
     file, faults = frame.file("float", view, ".npz"), []
-    whole: list[tuple[str, NDArray[np.float32] | None, float]] = [
-        ("disparity_px", eye.rectified and eye.rectified.disparity_px, 1 / DISPARITY_SCALE),
-        ("places_px", eye.matches and eye.matches.places_px, 1 / FLOW_SCALE),
-    ]
-    for key, array, unit in whole:
+    disparity = None if eye.rectified is None else eye.rectified.disparity_px
+    places = None if eye.matches is None else eye.matches.places_px
+    for key, array, unit in (
+        ("disparity_px", disparity, 1 / DISPARITY_SCALE),
+        ("places_px", places, 1 / FLOW_SCALE),
+    ):
         if array is None:
             continue
         exact = eye.floats.get(key)

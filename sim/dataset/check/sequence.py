@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -47,7 +47,6 @@ from sim.dataset.reader import Sequence
 from sim.world import CAMERAS
 
 VIEWS = (0, 1)
-T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -108,7 +107,10 @@ def _entry_faults(sequence: Sequence, tree: Tree) -> Iterator[Fault]:
     """manifest.json's entry against rig.json and recipe.json."""
     recipe, entry = sequence.recipe, sequence.entry
     file = f"{sequence.name}/{RIG}"
-    said = [("frames", sequence.frame_count, file), ("fps", sequence.fps, file)]
+    said: list[tuple[str, Any, str]] = [
+        ("frames", sequence.frame_count, file),
+        ("fps", sequence.fps, file),
+    ]
     if "digest" in recipe:
         file = f"{sequence.name}/{RECIPE}"
         said += [(key, recipe.get(key), file) for key in ("digest", "seed", "label")]

@@ -26,7 +26,7 @@ from sim.world import CAMERAS
 
 FOLDER = "parquet"
 FILE_BYTES = 512 << 20
-GROUP_ROWS, GROUP_BYTES = 100, 64 << 20  # of a row group, which is held in memory
+GROUP_ROWS, GROUP_BYTES = 100, 32 << 20  # of a row group, which is held in memory
 _QUATERNION = ("qw", "qx", "qy", "qz")
 _PICTURE = pa.struct([("bytes", pa.binary()), ("path", pa.string())])
 _F, _I, _S, _B = pa.float64(), pa.int64(), pa.string(), pa.bool_()
