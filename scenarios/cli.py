@@ -97,6 +97,14 @@ def run(
     time_limit: Annotated[
         float, typer.Option(help="How long one episode may take [s]; then it has failed.")
     ] = 900.0,
+    from_: Annotated[
+        Path | None,
+        typer.Option(
+            "--from",
+            metavar="DIR",
+            help="Instead: the sequences of a data set; nothing is rendered.",
+        ),
+    ] = None,
 ) -> None:
     """Play scenarios, score them, print the table, save the run and its report.
 
@@ -106,7 +114,8 @@ def run(
 
     run_suite(
         RunRequest(
-            targets=tuple(targets or ("smoke",)),
+            targets=tuple(targets or (() if from_ else ("smoke",))),
+            dataset=from_,
             seeds=seeds,
             detector=detector or preset,
             tracker=tracker or preset,
@@ -237,6 +246,31 @@ def report(
     from scenarios.run import remake_report
 
     typer.echo(f"report: {remake_report(runs, out)}")
+
+
+@app.command()
+def score(
+    dataset: Annotated[Path, typer.Argument(metavar="DATASET", help="Folder of a data set.")],
+    tracks: Annotated[
+        Path,
+        typer.Argument(metavar="TRACKS", help="CSV or Parquet, or a folder with one a sequence."),
+    ],
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of the saved run [runs/NAME-DATE-TIME].")
+    ] = None,
+    frame: Annotated[
+        str,
+        typer.Option(help="Of positions: world, or left (the left camera's, as `track` writes)."),
+    ] = "world",
+) -> None:
+    """Score anyone's tracks on a data set, save them as a run with its report.
+
+    Columns: sequence, frame (from 0), target, x_m, y_m, z_m; status, sd_x_m, sd_y_m, sd_z_m if
+    known. Missing rows count as lost.
+    """
+    from scenarios.score_tracks import ScoreRequest, score_tracks
+
+    score_tracks(ScoreRequest(dataset, tracks, out, frame, tuple(sys.argv[1:])))
 
 
 @app.command()

@@ -53,13 +53,16 @@ def show_dataset(request: ShowDatasetRequest) -> str:
     first = next(path for path in (sheet, page, request.rerun) if path is not None)
     said = []
     with told_of_signals(first):
+        if request.rerun is not None:  # first: whether Rerun is there shows at once
+            write_dataset_rerun(dataset, sequences, request.rerun)
+            said.append(f"recording: {request.rerun} ({_many(len(sequences), 'sequence')})")
+        if sheet is not None and page is not None:
+            with disk_faults(sheet.parent, "sheet and page"):
+                sheet.parent.mkdir(exist_ok=True)
         if sheet is not None:
             said.append(_write_sheet(sequences, sheet, alone=request.sequence is not None))
         if page is not None:
             said.append(_write_page(dataset, sequences, page))
-        if request.rerun is not None:
-            write_dataset_rerun(dataset, sequences, request.rerun)
-            said.append(f"recording: {request.rerun} ({_many(len(sequences), 'sequence')})")
     return "\n".join(said)
 
 
@@ -89,8 +92,6 @@ def _places(request: ShowDatasetRequest) -> tuple[Path | None, Path | None]:
         return out, None
     if suffix == ".html":
         return None, out
-    with disk_faults(out, "sheet and page"):
-        out.mkdir(exist_ok=True)
     return out / SHEET, out / PAGE
 
 

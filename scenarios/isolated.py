@@ -32,7 +32,7 @@ def isolated(what: str, limit_s: float, function: Callable[..., R], *arguments: 
     pool = ProcessPool(max_workers=1, context=spawn)
     try:
         future = pool.schedule(_answer, args=(function, arguments), timeout=limit_s)
-        answer = future.result()
+        answer: R | BenchError = future.result()
     except FutureTimeout:
         raise Ended(f"The {what} gives no answer within {limit_s:g} s.") from None
     except ProcessExpired as death:

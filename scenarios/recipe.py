@@ -17,10 +17,12 @@ from scenarios.play import Job, System, digest_of
 from scenarios.spec import Scenario, digest
 from sim.dataset.layout import DEFAULT_LABELS, LABELS
 from sim.script import Performance
+from sim.specs import RigSpec
 from sim.stage import Value
 
 KIND, SCHEMA_VERSION = "pjpdaf-bench recipe", 1
 FILES = "files"  # folder of a sequence in which its clips lie
+OWN_SIZE = RigSpec().width_px, RigSpec().height_px
 SMALLEST, LARGEST = 32, 4096  # width and height of a picture
 
 
@@ -195,12 +197,16 @@ def checked_labels(named: Collection[str], where: str) -> tuple[str, ...]:
     return tuple(name for name in LABELS if name in named)
 
 
-def size_named(words: str) -> tuple[int, int]:
-    """Width and height of a text such as "320x240". Raises BenchError."""
+def size_named(words: str) -> tuple[int, int] | None:
+    """Width and height of a text such as "320x240"; None for the scenarios' own size.
+
+    Raises BenchError.
+    """
     width, x, height = words.lower().partition("x")
     if not (x and width.isdigit() and height.isdigit() and len(words) <= 20):
         raise BenchError(f"--size {words[:40]}: must be WIDTHxHEIGHT, such as 320x240")
-    return checked_size((int(width), int(height)), "--size")
+    size = checked_size((int(width), int(height)), "--size")
+    return None if size == OWN_SIZE else size
 
 
 def checked_size(size: tuple[int, int], where: str) -> tuple[int, int]:

@@ -17,8 +17,8 @@ from typing import Any
 
 from pjpdaf.errors import BenchError
 from sim.dataset.check.exports import export_faults
-from sim.dataset.check.fault import Fault, fault_of
-from sim.dataset.check.files import MISSING, Sums, Tree, damaged, listing_faults, sums_of, tree_of
+from sim.dataset.check.fault import MISSING, Fault, fault_of
+from sim.dataset.check.files import Sums, Tree, damaged, listing_faults, sums_of, tree_of
 from sim.dataset.check.sequence import Checked, check_sequence
 from sim.dataset.layout import (
     CONVENTIONS,

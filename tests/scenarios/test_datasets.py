@@ -92,11 +92,10 @@ def assert_whole(out, made):
 
 def kill_and_go_on(out, made, rng, most_kills):
     """Start, kill parent or a worker at a random moment, look, start again; until undisturbed."""
-    kills = 0
+    kills, said = 0, out.with_name("said.txt")
     while kills < most_kills:
-        process = subprocess.Popen(
-            command(out), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        )
+        with said.open("w") as stream:
+            process = subprocess.Popen(command(out), stdout=subprocess.DEVNULL, stderr=stream)
         try:
             process.wait(rng.uniform(0.2, 4.0))
         except subprocess.TimeoutExpired:
@@ -109,7 +108,7 @@ def kill_and_go_on(out, made, rng, most_kills):
             kills += 1
             if victim != process.pid:
                 # The parent replaces it. A worker that is killed in its start is one of three.
-                assert process.wait(120) == 0
+                assert process.wait(120) == 0, said.read_text()
         assert_whole(out, made)
         if process.wait() == 0:
             assert contents(out) == contents(made)
@@ -330,6 +329,11 @@ def test_a_size_changes_the_pictures_and_not_what_is_seen(made, tmp_path):
 def test_a_size_that_is_none_is_one_line(words):
     with pytest.raises(BenchError, match="--size"):
         size_named(words)
+
+
+def test_the_size_that_scenarios_have_is_no_change():
+    assert size_named("640x480") is None
+    assert size_named("320x240") == (320, 240)
 
 
 def test_labels_are_named_in_any_order():

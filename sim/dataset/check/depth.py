@@ -29,6 +29,7 @@ CLOSES_PX = 0.05
 # Between four pixels of one instance lie bends and edges too: of 12 rigs' pictures, 98 % and more
 # closed, the median within 0.001 px, and 1.1 % at most lay behind what hides them.
 LEAST_CLOSED, MEDIAN_PX, MOST_BEHIND = 0.95, 0.02, 0.025
+MOST_CHANGED = 0.005  # of still pixels
 FEW = 50  # pixels, of which no share is taken
 SURFACE_M = (
     1.5e-4  # of a mean of depths off by half a unit each, along rays up to 1.4 times as long
@@ -147,6 +148,19 @@ def surface_offset(
     if off[worst] <= allowed[worst]:
         return None
     return TARGETS[worst], float(off[worst])
+
+
+def changed(frame: Frame, other: Frame) -> list[int]:
+    """Views whose depth of what stands still is not that of another frame."""
+    found = []
+    for view, (eye, its) in enumerate(zip(frame.eyes, other.eyes, strict=True)):
+        if eye.depth_m is None or its.depth_m is None or eye.seg is None or its.seg is None:
+            continue
+        still = np.isin(eye.seg, STILL) & (eye.seg == its.seg)
+        moved = np.abs(eye.depth_m[still] - its.depth_m[still]) > 2 * DEPTH_UNIT_M
+        if len(moved) >= FEW and moved.mean() > MOST_CHANGED:
+            found.append(view)
+    return found
 
 
 def closing(

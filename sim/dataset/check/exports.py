@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from pjpdaf.arrays import Floats
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
-from sim.dataset.check.fault import Fault, fault_of
-from sim.dataset.check.files import MISSING, Tree
+from sim.dataset.check.fault import MISSING, Fault, fault_of
+from sim.dataset.check.files import Tree
 from sim.dataset.check.told import Numbers
 from sim.dataset.layout import picture_name
 from sim.dataset.reader import MAX_JSON_BYTES, read_json

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pjpdaf.errors import BenchError
 
+MISSING = "missing"
 _LINE_NUMBER = re.compile(r":\d+$")
 
 
@@ -27,7 +28,10 @@ class Fault:
 def fault_of(error: BenchError, root: Path) -> Fault:
     """The fault that a reader raised about a file below root."""
     file, _, what = str(error).removeprefix(f"{root}/").partition(": ")
-    return Fault(_LINE_NUMBER.sub("", file), what.removesuffix("."))
+    file = _LINE_NUMBER.sub("", file)
+    if not (root / file).exists():  # each reader has other words for it
+        return Fault(file, MISSING)
+    return Fault(file, what.removesuffix("."))
 
 
 @dataclass(frozen=True)

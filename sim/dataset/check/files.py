@@ -9,12 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pjpdaf.errors import BenchError
-from sim.dataset.check.fault import Fault, fault_of
+from sim.dataset.check.fault import MISSING, Fault, fault_of
 from sim.dataset.checksums import read_sums, sha256_of
 from sim.dataset.layout import CHECKSUMS, LABELS, picture_name
 from sim.world import CAMERAS
 
-MISSING = "missing"
 PICTURES = (*CAMERAS, *(f"background_{camera}" for camera in CAMERAS))
 
 

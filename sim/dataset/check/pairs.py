@@ -14,6 +14,7 @@ from sim.dataset.check.depth import CLOSES_PX, LEAST_CLOSED, STILL, tolerance_px
 from sim.dataset.check.fault import Fault
 from sim.dataset.check.frame import Frame
 from sim.dataset.check.sight import Places, Sight, corners, inside, mixed
+from sim.dataset.instances import PERSON
 from sim.dataset.layout import DISPARITY_SCALE, FLOW_SCALE
 from sim.dataset.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN
 from sim.world import CAMERAS
@@ -23,6 +24,7 @@ FEW = 50
 BORDER_PX = 0.01  # from the picture's border, where rounded numbers do not tell the side
 JUMP_PX = 1.0  # of disparity from one pixel to the next; more is an edge
 LEAST_RIGHT = 0.97  # of pixels whose status the other view's labels confirm
+MOST_GONE = 0.01  # of the person's pixels, over JUMP_PX from where they should be; 0.002 were
 REACH_PX = 511.0  # as far as a correspondence can be written
 
 
@@ -47,10 +49,15 @@ class RectifiedSights:
         self.shift_px = float(P1[0, 2] - P2[0, 2])
 
 
-def disparity_share(
+def disparity_wrong(
     frame: Frame, view: int, pair: RectifiedSights, sights: tuple[Sight, Sight], still: bool
-) -> float:
-    """Share of the pixels of disparity_* whose surface is where the view's depth has it."""
+) -> float | None:
+    """Share of the pixels of disparity_* whose surface is not where the view's depth has it, where
+    they are too many; else None.
+
+    Too many of all pixels, or of those of the person, which is all that a label of another frame
+    has in another place.
+    """
     eye = frame.eyes[view]
     assert eye.rectified is not None
     assert eye.rectified.disparity_px is not None
@@ -70,11 +77,15 @@ def disparity_share(
     if still:
         same &= np.isin(ids[0], STILL)
     if np.count_nonzero(same) < FEW:
-        return 1.0
+        return None
     met = mixed(around[:, same], places[same])
     off = pair.scale_px_m * np.abs(met - 1 / expected_m[same])
     allowed = tolerance_px(sights, expected_m[same]) + 1 / DISPARITY_SCALE
-    return float(np.mean(off <= allowed))
+    wrong = float(np.mean(off > allowed))
+    gone = (off > allowed + JUMP_PX)[ids[0][same] <= PERSON]
+    if len(gone) >= FEW and gone.mean() > MOST_GONE:
+        return max(wrong, float(gone.mean()))
+    return wrong if wrong > 1 - LEAST_CLOSED else None
 
 
 def occlusion_faults(frame: Frame, view: int) -> list[Fault]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,8 @@ import numpy as np
 from pjpdaf.errors import BenchError
 from sim.dataset.check.cameras import camera_faults, usable
 from sim.dataset.check.depth import (
-    LEAST_CLOSED,
     Crossing,
+    changed,
     closing,
     closing_fault,
     misplaced,
@@ -28,25 +29,26 @@ from sim.dataset.check.eyes import (
     lone_fault,
     wrong_eye,
 )
-from sim.dataset.check.fault import Claim, Fault, fault_of, gathered
+from sim.dataset.check.fault import MISSING, Claim, Fault, fault_of, gathered
 from sim.dataset.check.files import Sums, Tree, completeness_faults, damaged, twice_faults
 from sim.dataset.check.frame import Frame, load
 from sim.dataset.check.masks import amodal_faults, seg_faults
 from sim.dataset.check.pairs import (
     RectifiedSights,
     correspondence_faults,
-    disparity_share,
+    disparity_wrong,
     float_faults,
     occlusion_faults,
 )
 from sim.dataset.check.projection import projection_faults
 from sim.dataset.check.sight import Sight
 from sim.dataset.check.told import Numbers, Told, numbers_of, shape_claims, time_claims, told_of
-from sim.dataset.layout import EVENTS, RECIPE, RIG, TRUTH, picture_name
+from sim.dataset.layout import EVENTS, OBJECTS, RECIPE, RIG, TRUTH, picture_name
 from sim.dataset.reader import Sequence
 from sim.world import CAMERAS
 
 VIEWS = (0, 1)
+NEEDED = (EVENTS, OBJECTS, RECIPE, RIG, TRUTH)
 
 
 @dataclass(frozen=True)
@@ -62,15 +64,17 @@ def check_sequence(
 ) -> Checked:
     """tree, sums: of this sequence, by paths from the data set's folder."""
     faults = list(damaged(tree, sums, tree.plain)) if hash_files else []
+    needed = {f"{sequence.name}/{file}" for file in NEEDED}
+    faults += [Fault(path, MISSING) for path in needed - tree.plain]
     faults += twice_faults(tree, sequence.name, sums)
     try:
         frames, backgrounds = sequence.frame_count, sequence.background_count
         faults += camera_faults(tree.root, sequence)
-        faults += _entry_faults(sequence, tree)
-        rig, skew_s = sequence.rig, sequence.skew_s
+        rig, skew_s, _ = sequence.rig, sequence.skew_s, sequence.fps
         names = {one.id: one.name for one in sequence.instances}
     except BenchError as error:
         return Checked((*faults, fault_of(error, tree.root)), None)
+    faults += _entry_faults(sequence, tree)
     told: list[Told] | None = None
     try:
         told = told_of(sequence)
@@ -82,7 +86,7 @@ def check_sequence(
     with np.errstate(all="ignore"):
         seen = usable(rig)
         if told is not None:
-            faults += _told_faults(sequence, tree, told)
+            faults += _told_faults(sequence, tree.root, told)
             wrong = projection_faults(sequence.name, told, rig, skew_s) if seen else []
             faults += wrong
             seen &= not any(fault.file.endswith(RIG) for fault in wrong)
@@ -105,8 +109,12 @@ def _number(path: str) -> int:
 
 def _entry_faults(sequence: Sequence, tree: Tree) -> Iterator[Fault]:
     """manifest.json's entry against rig.json and recipe.json."""
-    recipe, entry = sequence.recipe, sequence.entry
-    file = f"{sequence.name}/{RIG}"
+    recipe: Mapping[str, Any] = {}
+    try:
+        recipe = sequence.recipe
+    except BenchError as error:
+        yield fault_of(error, tree.root)
+    entry, file = sequence.entry, f"{sequence.name}/{RIG}"
     said: list[tuple[str, Any, str]] = [
         ("frames", sequence.frame_count, file),
         ("fps", sequence.fps, file),
@@ -119,18 +127,17 @@ def _entry_faults(sequence: Sequence, tree: Tree) -> Iterator[Fault]:
             yield Fault(where, f"{key} is {value}, manifest.json says {entry.get(key)}")
 
 
-def _told_faults(sequence: Sequence, tree: Tree, told: list[Told]) -> list[Fault]:
+def _told_faults(sequence: Sequence, root: Path, told: list[Told]) -> list[Fault]:
     """Of the tables and of events.json."""
     claims: list[Claim] = []
     faults: list[Fault] = []
     claims += time_claims(sequence.name, told, sequence.fps)
     claims += shape_claims(sequence.name, told)
-    if f"{sequence.name}/{EVENTS}" in tree.plain:
-        try:
-            found = event_faults(sequence.name, told, sequence.events)
-            _sorted_into(found, faults, claims)
-        except BenchError as error:
-            faults.append(fault_of(error, tree.root))
+    try:
+        found = event_faults(sequence.name, told, sequence.events)
+        _sorted_into(found, faults, claims)
+    except BenchError as error:
+        faults.append(fault_of(error, root))
     return [*faults, *gathered(claims)]
 
 
@@ -162,6 +169,7 @@ class _Eyes:
         self._sequence, self._skew_s, self._names, self._told = sequence, skew_s, names, told
         self._sights = tuple(Sight(camera) for camera in sequence.rig.cameras) if seen else None
         self._rectified = RectifiedSights(sequence.rig) if seen else None
+        self._good: Frame | None = None  # the first whose depth has no fault
         self._still: Crossing | None = None  # of what stands still, from left to right
         self._lone: list[tuple[int, Frame]] = []
 
@@ -208,15 +216,16 @@ class _Eyes:
             eye = frame.eyes[view]
             if eye.depth_m is not None and eye.rectified is not None:
                 later = still and view == 1
-                share = disparity_share(frame, view, rectified, pair, later)
-                if share < LEAST_CLOSED:
+                share = disparity_wrong(frame, view, rectified, pair, later)
+                if share is not None:
                     low[view] = share
         wrong = misplaced(frame, told, pair) if told is not None else {}
         both = all(eye.depth_m is not None for eye in frame.eyes)
         if both and told is not None and not wrong:
             off = surface_offset(frame, told, pair, self._skew_s)
             if off is not None:
-                for view in low or VIEWS:
+                moved = changed(frame, self._good) if self._good is not None else []
+                for view in moved or low or VIEWS:
                     wrong[view] = (
                         f"with {other_depth(frame, view)}, puts the visible surface of {off[0]} "
                         f"{1e3 * off[1]:.3g} mm from where {TRUTH} has it"
@@ -227,7 +236,7 @@ class _Eyes:
         self.faults += [
             Fault(
                 frame.file("disparity", view),
-                f"{1 - share:.1%} of its pixels lie elsewhere than {frame.file('depth', view)}",
+                f"{share:.1%} of its pixels lie elsewhere than {frame.file('depth', view)}",
             )
             for view, share in low.items()
         ]
@@ -241,6 +250,7 @@ class _Eyes:
         bad = [view for view in VIEWS if not closings[view].good]
         self.faults += [closing_fault(frame, view, closings[view]) for view in bad]
         if not bad:
+            self._good = self._good or frame
             self._pictures(frame, closings[0].crossing, pair)
 
     def _pictures(self, frame: Frame, crossing: Crossing, sights: tuple[Sight, Sight]) -> None:
