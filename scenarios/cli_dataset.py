@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -93,7 +92,6 @@ def make(
             exports=formats_named(export),
             ladder=ladder,
             jobs=jobs,
-            argv=tuple(sys.argv[1:]),
         )
     )
 
@@ -112,6 +110,49 @@ def export(
 
     for path in export_again(folder, formats_named(to)):
         typer.echo(path)
+
+
+@app.command()
+def show(
+    folder: Folder,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="New folder for both, or a .png or .html file [NAME-show]."),
+    ] = None,
+    sequence: Annotated[int | None, typer.Option(min=0, help="Only this sequence.")] = None,
+    rerun: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.rrd", help="Instead: a recording for the viewer Rerun (extra viz)."
+        ),
+    ] = None,
+) -> None:
+    """A contact sheet and a page that plays all labels of a data set."""
+    from scenarios.dataset_show import ShowDatasetRequest, show_dataset
+
+    typer.echo(show_dataset(ShowDatasetRequest(folder, out, sequence, rerun)))
+
+
+@app.command()
+def verify(
+    folder: Folder,
+    sums: Annotated[
+        bool, typer.Option("--sums/--no-sums", help="Compare every file's SHA-256 too.")
+    ] = True,
+    rays: Annotated[
+        int, typer.Option(help="Frames compared with rays into the rebuilt scenes; 0: none.")
+    ] = 4,
+    jobs: Annotated[int | None, typer.Option(help="Worker processes [all cores].")] = None,
+) -> None:
+    """Is a data set what it says it is? Every fault is a line with its file; exit code 1 then.
+
+    Checksums, both eyes, masks, boxes, depth, disparity, calibration and exports against each
+    other and against the 3-D truth; depth and ids against rays.
+    """
+    from scenarios.dataset_verify import VerifyRequest, verify_dataset
+    from scenarios.run import worker_count
+
+    raise typer.Exit(verify_dataset(VerifyRequest(folder, sums, rays, worker_count(jobs))))
 
 
 def formats_named(words: str) -> tuple[str, ...]:

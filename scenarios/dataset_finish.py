@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
+from sim.dataset.card import write_card
+from sim.dataset.croissant import CROISSANT, croissant_record
 from sim.dataset.export.registry import EXPORTS
-from sim.dataset.layout import CALIBRATION
+from sim.dataset.layout import CALIBRATION, CARD, CONVENTIONS, conventions
+from sim.dataset.raytruth import RayFigures
 from sim.dataset.reader import Dataset
-from sim.files import disk_faults, part_folder
+from sim.dataset.statistics import statistics_of
+from sim.files import disk_faults, part_folder, written_whole_file
 
 
 def write_exports(dataset: Dataset, exports: Sequence[str]) -> list[Path]:
@@ -37,6 +42,20 @@ def _texts(folder: Path) -> dict[str, bytes]:
     }
 
 
-def write_top(dataset: Dataset) -> None:
-    """All that readers of the whole want."""
+def write_top(dataset: Dataset, argv: Sequence[str], rays: RayFigures | None = None) -> None:
+    """All that readers of the whole want: conventions, calibration, Croissant, the card.
+
+    argv: of the command that made it; rays: what `dataset verify` found. Raises BenchError.
+    """
+    write_text(dataset.folder / CONVENTIONS, json.dumps(conventions(), indent=1) + "\n")
     write_calibration(dataset)
+    write_text(dataset.folder / CROISSANT, json.dumps(croissant_record(dataset), indent=1) + "\n")
+    # The card writes its pictures itself.
+    card = write_card(dataset, statistics_of(dataset), rays, command=argv)
+    write_text(dataset.folder / CARD, card)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write or replace a file, whole or not at all. Raises BenchError of the disk."""
+    with written_whole_file(path, "the data set", replace=True) as part:
+        part.write_text(text, encoding="utf-8")

@@ -10,14 +10,11 @@ import shutil
 import signal
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import TimeoutError as FutureTimeout
-from concurrent.futures import wait
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from pebble import ProcessExpired, ProcessFuture
 from rich.console import Console
 from rich.filesize import decimal
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
@@ -25,35 +22,35 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.registry import described
 from reports.provenance import PACKAGES, provenance
+from scenarios.catalogue import scenario_names, suite_names
 from scenarios.concrete import setting_of
-from scenarios.dataset_finish import write_exports, write_top
-from scenarios.execute import ATTEMPTS, WORKER_ENVIRONMENT, renderer_of, worker_pool
+from scenarios.dataset_finish import write_exports, write_text, write_top
+from scenarios.dataset_verify import cast_rays
 from scenarios.folder import written_whole
 from scenarios.ladder import rungs_of
 from scenarios.play import digest_of
 from scenarios.recipe import FILES, Recipe, Settings, read_recipe, stored_name
 from scenarios.run import Interrupted, RunRequest, plan, worker_count
+from scenarios.workers import WORKER_ENVIRONMENT, Answer, Lost, Workers
 from sim import gl
 from sim.contact import Unposable
 from sim.dataset.checksums import files_below, read_sums, sha256_of, text_of
 from sim.dataset.layout import (
     CHECKSUMS,
-    CONVENTIONS,
     MANIFEST,
     PART,
-    conventions,
     sequence_name,
 )
 from sim.dataset.manifest import Entry, manifest_record, write_manifest
 from sim.dataset.reader import open_dataset, read_json
 from sim.dataset.writer import Written, write_frame, write_sequence
-from sim.files import disk_faults, written_whole_file
+from sim.files import disk_faults
 from sim.sequence import Simulation
 
 TIME_LIMIT_S = 24 * 3600.0  # of one sequence; nothing of a user's is called in it
-POLL_S = 0.5
 # A worker is replaced after this many sequences: whatever a driver leaks goes with it.
 SEQUENCES_A_WORKER = 64
+RAY_FRAMES = 4  # of a data set, compared with rays for its card
 
 
 @dataclass(frozen=True)
@@ -69,7 +66,6 @@ class MakeRequest:
     exports: tuple[str, ...] = ()
     ladder: bool = False
     jobs: int | None = None
-    argv: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -92,43 +88,47 @@ def make(request: MakeRequest) -> None:
     signal.signal(signal.SIGTERM, _interrupt)
     with disk_faults(out, "the data set"):
         out.mkdir(parents=True, exist_ok=True)
-    with _alone(out), worker_pool(workers, SEQUENCES_A_WORKER) as pool:
+    with _alone(out):
         _check_same(out, settings, entries)
         try:
-            renderer = renderer_of(pool)
-            made_with = {"renderer": renderer, "versions": versions()}
-            _check_renderer(out, made_with)
-            recipes = [replace(recipe, made_with=made_with) for recipe in recipes]
-            _sweep(out)
-            record = manifest_record(entries, settings, made_with, complete=False)
-            if not (out / MANIFEST).exists():
-                write_manifest(out, record)
-            missing = [i for i, entry in enumerate(entries) if not (out / entry.folder).is_dir()]
-            frames = sum(entries[i].frames for i in missing)
-            tasks = {
-                i: _Task(recipes[i], out / f"{PART}{entries[i].folder}", out / entries[i].folder)
-                for i in missing
-            }
-            started = time.perf_counter()
-            with _Progress(console, tasks, frames) as progress:
-                written = _make_all(pool, tasks, progress.step)
+            with Workers(workers, SEQUENCES_A_WORKER) as pool:
+                made_with = {"renderer": pool.renderer(), "versions": versions()}
+                _check_renderer(out, made_with)
+                _sweep(out)
+                if not (out / MANIFEST).exists():
+                    words = words_of(request)
+                    record = manifest_record(entries, settings, made_with, False, words)
+                    write_manifest(out, record)
+                tasks = {
+                    index: _Task(
+                        replace(recipes[index], made_with=made_with),
+                        out / f"{PART}{entry.folder}",
+                        out / entry.folder,
+                    )
+                    for index, entry in enumerate(entries)
+                    if not (out / entry.folder).is_dir()
+                }
+                frames = sum(entries[index].frames for index in tasks)
+                started = time.perf_counter()
+                with _Progress(console, tasks, frames) as progress:
+                    written = _make_all(pool, tasks, progress.step)
         except KeyboardInterrupt:
-            _stop(pool, out)
+            _sweep(out)
             done = sum((out / entry.folder).is_dir() for entry in entries)
             raise Interrupted(
                 f"interrupted: {done} of {len(entries)} sequences are in {out}; the same command "
                 "goes on"
             ) from None
         except BaseException:
-            _stop(pool, out)
+            _sweep(out)
             raise
         wall_s = time.perf_counter() - started
-        finish(out, entries, settings, made_with, request.exports)
+        finish(out, entries, settings, made_with, request.exports, words_of(request))
     size = sum(one.bytes for one in written)
-    said = f"{len(missing)} sequences, {frames} stereo frames"
-    if missing:
+    said = f"{len(tasks)} sequences, {frames} stereo frames"
+    if tasks:
         said += f", {decimal(size)} in {wall_s:.0f} s ({frames / wall_s:.1f} frames/s)"
-    kept = len(entries) - len(missing)
+    kept = len(entries) - len(tasks)
     print(f"{said}, {workers} workers" + (f"; {kept} were there" if kept else ""))
     print(f"data set: {request.out}")
 
@@ -161,6 +161,27 @@ def recipes_of(request: MakeRequest) -> list[Recipe]:
     return recipes
 
 
+def words_of(request: MakeRequest) -> tuple[str, ...]:
+    """The command that makes the same again anywhere: without places and numbers of workers."""
+    words = ["dataset", "make"]
+    words += [
+        name if name in (*scenario_names(), *suite_names()) else Path(name).name
+        for name in request.targets
+    ]
+    if request.seeds is not None:
+        words += ["--seeds", str(request.seeds)]
+    if request.first_seed:
+        words += ["--first-seed", str(request.first_seed)]
+    if request.labels.size_px:
+        words += ["--size", "x".join(map(str, request.labels.size_px))]
+    words += ["--labels", ",".join(request.labels.labels) or "none"]
+    words += ["--ladder"] * request.ladder
+    for pair in request.settings:
+        key, _, value = pair.partition("=")
+        words += ["--set", f"{key}={Path(value).name}"]  # a value may be a file
+    return (*words, "--out", "DIR")
+
+
 def entry_of(index: int, recipe: Recipe) -> Entry:
     """What the manifest says of a sequence."""
     job = recipe.job
@@ -187,6 +208,10 @@ def versions() -> dict[str, str]:
 
 def _make_one(task: _Task) -> Written | BenchError:
     """In a worker: make a sequence in a part folder, then give it its name."""
+    if task.final.is_dir():  # the worker before was killed between finishing and saying so
+        files = files_below(task.final)
+        size = sum(file.stat().st_size for file in files)
+        return Written(entry_of(0, task.recipe).frames, len(files), size)
     part = task.part.with_name(f"{task.part.name}-{os.getpid()}")
     try:
         with disk_faults(task.final, "the data set"):
@@ -238,61 +263,29 @@ def write_recipe(recipe: Recipe, folder: Path) -> Written:
 
 
 def _make_all(
-    pool: Any, tasks: Mapping[int, _Task], on_poll: Callable[[int, int], None]
+    pool: Workers, tasks: Mapping[int, _Task], on_poll: Callable[[int, int], None]
 ) -> list[Written]:
-    """Make them on the pool's workers; a worker that dies is replaced, three times at most.
-
-    Raises BenchError, of the first in order that fails; no other is begun then.
-    """
-    attempts = dict.fromkeys(tasks, 0)
-    pending: dict[ProcessFuture[Written | BenchError], int] = {}
+    """Make them. Raises BenchError of the first that fails; the others are ended then."""
     written: list[Written] = []
-    faults: dict[int, BenchError] = {}
-
-    def submit(index: int) -> None:
-        attempts[index] += 1
-        future = pool.schedule(_make_one, args=(tasks[index],), timeout=TIME_LIMIT_S)
-        pending[future] = index
-
-    for index in tasks:
-        submit(index)
-    while pending:
-        done, _ = wait(pending, timeout=POLL_S, return_when="FIRST_COMPLETED")
-        for future in done:
-            index = pending.pop(future)
-            outcome = _outcome(future, tasks[index], attempts[index])
-            if outcome is None:
-                submit(index)
-            elif isinstance(outcome, BenchError):
-                faults[index] = outcome
-                for other in [f for f in pending if f.cancel()]:
-                    del pending[other]
-            else:
-                written.append(outcome)
+    for found in pool.outcomes(_make_one, tasks, TIME_LIMIT_S):
+        if found is not None:
+            index, outcome = found
+            written.append(_written(tasks[index], outcome))
         on_poll(len(written), sum(one.bytes for one in written))
-    if faults:
-        raise faults[min(faults)]
     return written
 
 
-def _outcome(
-    future: ProcessFuture[Written | BenchError], task: _Task, attempt: int
-) -> Written | BenchError | None:
-    """A finished future; None: the worker died and the sequence may be tried again."""
+def _written(task: _Task, outcome: Answer[Written | BenchError] | Lost) -> Written:
     name = task.final.name
-    try:
-        result: Written | BenchError = future.result()
-    except FutureTimeout:
-        return InfrastructureError(f"{name}: not finished within {TIME_LIMIT_S / 3600:.0f} hours")
-    except ProcessExpired as death:
-        if task.final.is_dir():  # it died between finishing and saying so
-            return Written(0, 0, 0)
-        if attempt < ATTEMPTS:
-            return None
-        return InfrastructureError(
-            f"{name}: its worker died {attempt} times (exit code {death.exitcode})"
-        )
-    return result
+    if isinstance(outcome, Lost):
+        if outcome.late:
+            hours = TIME_LIMIT_S / 3600
+            raise InfrastructureError(f"{name}: not finished within {hours:.0f} hours")
+        times, code = outcome.attempts, outcome.exit_code
+        raise InfrastructureError(f"{name}: its worker died {times} times (exit code {code})")
+    if isinstance(outcome.value, BenchError):
+        raise outcome.value
+    return outcome.value
 
 
 def finish(
@@ -301,14 +294,17 @@ def finish(
     settings: Mapping[str, Any],
     made_with: Mapping[str, Any],
     exports: Sequence[str],
+    command: Sequence[str],
 ) -> None:
-    """Write all that is made from the finished sequences; the manifest that says so is the last."""
-    write_manifest(out, manifest_record(entries, settings, made_with, complete=False))
+    """Write all that is made from the finished sequences; the manifest that says so comes last.
+
+    A few frames are compared with rays, and the card says what came of it.
+    """
+    write_manifest(out, manifest_record(entries, settings, made_with, False, command))
     dataset = open_dataset(out)
     write_exports(dataset, exports)
-    _write(out / CONVENTIONS, json.dumps(conventions(), indent=1) + "\n")
-    write_top(dataset)
-    write_manifest(out, manifest_record(entries, settings, made_with, complete=True))
+    write_top(dataset, command, cast_rays(out, RAY_FRAMES).figures)
+    write_manifest(out, manifest_record(entries, settings, made_with, True, command))
     write_sums(out, [entry.folder for entry in entries])
 
 
@@ -322,6 +318,9 @@ def export_again(folder: Path, exports: Sequence[str]) -> list[Path]:
         raise BenchError(f"{folder}: is not finished; give the command that made it once more")
     with _alone(folder):
         written = write_exports(dataset, exports)
+        # The card and Croissant name what is there.
+        command = [str(word) for word in dataset.manifest.get("command", ())]
+        write_top(dataset, command, cast_rays(folder, RAY_FRAMES).figures)
         write_sums(folder, [sequence.name for sequence in dataset.sequences])
     return written
 
@@ -339,12 +338,7 @@ def write_sums(out: Path, sequences: Sequence[str]) -> None:
             continue
         for file in files_below(path) if path.is_dir() else (path,):
             sums[file.relative_to(out).as_posix()] = sha256_of(file)
-    _write(out / CHECKSUMS, text_of(sums))
-
-
-def _write(path: Path, text: str) -> None:
-    with written_whole_file(path, "the data set", replace=True) as part:
-        part.write_text(text, encoding="utf-8")
+    write_text(out / CHECKSUMS, text_of(sums))
 
 
 @contextmanager
@@ -403,12 +397,6 @@ def _check_renderer(out: Path, made_with: Mapping[str, Any]) -> None:
             f"{out}: was begun with another OpenGL library or other versions; the rest would not "
             "fit to it. Go on where it was begun, or give a new folder"
         )
-
-
-def _stop(pool: Any, out: Path) -> None:
-    pool.stop()
-    pool.join()
-    _sweep(out)
 
 
 def _sweep(out: Path) -> None:

@@ -68,7 +68,7 @@ def _one_opencv() -> Finding:
 
 
 def _rendering() -> list[Finding]:
-    from scenarios.execute import check_renderer
+    from scenarios.workers import check_renderer
 
     asked = os.environ.get("MUJOCO_GL")
     setting = Finding("MUJOCO_GL", True, asked if asked else "not set (chosen by probing)")

@@ -5,11 +5,9 @@ from __future__ import annotations
 import itertools
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import TimeoutError as FutureTimeout
 from dataclasses import dataclass
 from pathlib import Path
 
-from pebble import ProcessExpired, ProcessFuture
 from rich.console import Console
 
 from pjpdaf.errors import BenchError, InfrastructureError
@@ -25,10 +23,10 @@ from reports.overlay import LETTERS, Image
 from reports.truth_overlay import merged_words, thumbnail
 from scenarios.catalogue import load_scenario, load_suite, scenario_names, suite_names
 from scenarios.concrete import perform
-from scenarios.execute import renderer_of, worker_pool
 from scenarios.progress import progress_bar
 from scenarios.show import difficulty, happening, labels_of, told_of_signals, truths
 from scenarios.spec import Scenario
+from scenarios.workers import Answer, Lost, Workers
 from sim.contact import Unposable
 from sim.files import disk_faults, written_whole_file
 from sim.script import Performance
@@ -106,35 +104,27 @@ def check_ours(path: Path) -> None:
 def draw_all(scenarios: Sequence[Scenario], workers: int) -> list[Picture]:
     """A picture of each, drawn by worker processes. Raises BenchError for the first that fails."""
     console = Console(stderr=True)
-    with progress_bar(console) as progress, worker_pool(min(workers, len(scenarios))) as pool:
+    pictures: dict[int, Picture] = {}
+    with progress_bar(console) as progress, Workers(min(workers, len(scenarios))) as pool:
         task = progress.add_task("starting", total=len(scenarios))
-        renderer_of(pool)
-        try:
-            futures = [
-                pool.schedule(_draw_safely, args=(scenario,), timeout=TIME_LIMIT_S)
-                for scenario in scenarios
-            ]
-            pictures = []
-            for scenario, future in zip(scenarios, futures, strict=True):
-                pictures.append(_outcome(scenario, future))
-                progress.update(task, advance=1, description=scenario.name)
-        except BaseException:
-            pool.stop()
-            raise
-    return pictures
+        pool.renderer()
+        for found in pool.outcomes(_draw_safely, dict(enumerate(scenarios)), TIME_LIMIT_S):
+            if found is not None:
+                index, outcome = found
+                pictures[index] = _picture(scenarios[index], outcome)
+                progress.update(task, advance=1, description=scenarios[index].name)
+    return [pictures[index] for index in range(len(scenarios))]
 
 
-def _outcome(scenario: Scenario, future: ProcessFuture[Picture | BenchError]) -> Picture:
-    try:
-        outcome: Picture | BenchError = future.result()
-    except (FutureTimeout, ProcessExpired) as fault:
-        what = "is killed" if isinstance(fault, ProcessExpired) else "takes too long"
+def _picture(scenario: Scenario, outcome: Answer[Picture | BenchError] | Lost) -> Picture:
+    if isinstance(outcome, Lost):
+        what = "takes too long" if outcome.late else "is killed"
         raise InfrastructureError(
             f"{scenario.name}: the process that draws it {what}; try fewer --jobs"
-        ) from fault
-    if isinstance(outcome, BenchError):
-        raise outcome
-    return outcome
+        )
+    if isinstance(outcome.value, BenchError):
+        raise outcome.value
+    return outcome.value
 
 
 def _draw_safely(scenario: Scenario) -> Picture | BenchError:

@@ -28,6 +28,7 @@ from sim.dataset.layout import (
     TRUTH,
     conventions,
 )
+from sim.dataset.raytruth import RayFigures, lines_of
 from sim.dataset.reader import Dataset
 from sim.dataset.reader import Sequence as Recorded
 from sim.dataset.statistics import Statistics
@@ -67,14 +68,14 @@ _BESIDE = {
 def write_card(
     dataset: Dataset,
     statistics: Statistics,
-    ray_figures: Mapping[str, float] | None = None,
+    ray_figures: RayFigures | None = None,
     command: Sequence[str] = (),
 ) -> str:
     """Write README.md and its pictures into the data set's folder; the text.
 
-    ray_figures: what `dataset verify` found by independent rays, None where it has not run:
-    `pixels` (looked at), `mask_share` (of them with another id), `depth_median_m`. command: the
-    words that made it; paths are left out. Raises BenchError of the disk and of damaged files.
+    ray_figures: what independent rays found (`sim.dataset.raytruth`), None where none were sent.
+    command: the words that made it; paths are left out. Raises BenchError of the disk and of
+    damaged files.
     """
     folder = dataset.folder / PICTURES
     with disk_faults(folder, "the card"):
@@ -90,7 +91,7 @@ def write_card(
 def card_text(
     dataset: Dataset,
     statistics: Statistics,
-    ray_figures: Mapping[str, float] | None = None,
+    ray_figures: RayFigures | None = None,
     command: Sequence[str] = (),
 ) -> str:
     """The text of README.md; the same data set, the same text."""
@@ -185,6 +186,11 @@ def _telling_frame(sequence: Recorded) -> int:
 def _front_matter(statistics: Statistics) -> str:
     rows = statistics.frames * len(TARGETS)
     size = next((name for least, name in _SIZES if rows < least), "n>10M")
+    configs: list[dict[str, object]] = [
+        {"config_name": "truth", "data_files": f"seq_*/{TRUTH}", "default": True}
+    ]
+    if statistics.object_rows:  # `datasets` loads no table without a row
+        configs.append({"config_name": "objects", "data_files": f"seq_*/{OBJECTS}"})
     record = {
         "license": "cc-by-4.0",
         "pretty_name": NAME,
@@ -192,10 +198,7 @@ def _front_matter(statistics: Statistics) -> str:
         "size_categories": [size],
         "annotations_creators": ["machine-generated"],
         "tags": list(TAGS),
-        "configs": [
-            {"config_name": "truth", "data_files": f"seq_*/{TRUTH}", "default": True},
-            {"config_name": "objects", "data_files": f"seq_*/{OBJECTS}"},
-        ],
+        "configs": configs,
     }
     yaml, stream = YAML(), io.StringIO()
     yaml.indent(mapping=2, sequence=4, offset=2)
@@ -357,17 +360,20 @@ def _conventions() -> str:
     return "\n".join(lines)
 
 
-def _exactness(figures: Mapping[str, float] | None) -> str:
+def _exactness(figures: RayFigures | None) -> str:
     said = (
         "Depth, ids and masks come from one pass without antialiasing, at the pixels' centres; "
-        "round bodies are drawn as fine polygons, which is the most of their error."
+        "the meshes are those of the pictures."
     )
-    if figures is None:
+    if figures is None or not figures.pixels:
         return f"{said} Not measured for this copy: `pjpdaf-bench dataset verify` does it."
-    return (
-        f"{said} Against independent rays through {figures['pixels']:.0f} pixels: another id in "
-        f"{100 * figures['mask_share']:.3f} % of them; depth off by "
-        f"{1e3 * figures['depth_median_m']:.3f} mm (median)."
+    lines = [f"- {line}" for line in lines_of(figures)]
+    return "\n".join(
+        [
+            f"{said} Against {figures.rays} independent rays, for {figures.pixels} pixels:",
+            "",
+            *lines,
+        ]
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 
 from pjpdaf.errors import BenchError
@@ -42,6 +42,6 @@ def read_sums(path: Path) -> dict[str, str]:
     return sums
 
 
-def files_below(folder: Path) -> Iterable[Path]:
+def files_below(folder: Path) -> list[Path]:
     """All files below a folder, hidden ones too, sorted."""
     return sorted(path for path in folder.rglob("*") if path.is_file())

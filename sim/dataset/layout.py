@@ -84,7 +84,7 @@ def conventions() -> dict[str, Any]:
             "meaning": "planar z, not range, at the pixel centre",
             "unit_m": DEPTH_UNIT_M,
             "invalid": 0,
-            "range_m": [ZNEAR_M, min(ZFAR_M, 65535 * DEPTH_UNIT_M)],
+            "range_m": [ZNEAR_M, min(ZFAR_M, round(65535 * DEPTH_UNIT_M, 4))],
         },
         "seg": "one byte an instance, named in rig.json",
         "amodal": {"bit_0": "head", "bit_1": "right_hand", "bit_2": "left_hand"},

@@ -38,16 +38,19 @@ def manifest_record(
     settings: Mapping[str, Any],
     made_with: Mapping[str, Any],
     complete: bool,
+    command: Sequence[str] = (),
 ) -> dict[str, Any]:
     """The content of manifest.json.
 
-    settings: labels, size and whatever else the pictures depend on; made_with: versions, renderer.
+    settings: labels, size and whatever else the pictures depend on; made_with: versions, renderer;
+    command: words that make it again.
     """
     return {
         "kind": KIND,
         "schema": SCHEMA_VERSION,
         "complete": complete,
         "licence": LICENCE,
+        "command": list(command),
         "settings": dict(settings),
         "made_with": dict(made_with),
         "total_frames": sum(entry.frames for entry in entries),

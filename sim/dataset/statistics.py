@@ -85,7 +85,8 @@ class Statistics:
     scenarios: sequences and stereo frames by scenario; lost_pictures: by view; merged: frames by
     "right_hand + left_hand, left"; merged_frames: with any pair merged in any view;
     ambiguous_frames: both hands are one blob in both views; keypoints: by "head:chin" the numbers
-    of not labelled, occluded and visible over both views; histograms: by the names of BINS.
+    of not labelled, occluded and visible over both views; object_rows: of objects.parquet;
+    histograms: by the names of BINS.
     """
 
     sequences: int
@@ -97,6 +98,7 @@ class Statistics:
     merged_frames: int
     ambiguous_frames: int
     keypoints: Mapping[str, tuple[int, int, int]]
+    object_rows: int
     histograms: Mapping[str, Histogram]
 
     def record(self) -> dict[str, Any]:
@@ -117,6 +119,7 @@ class Statistics:
                 name: {"not_labelled": none, "occluded": occluded, "visible": visible}
                 for name, (none, occluded, visible) in self.keypoints.items()
             },
+            "object_rows": self.object_rows,
             "histograms": {
                 name: {
                     "title": one.bins.title,
@@ -152,7 +155,7 @@ class _Parts:
         self._seconds = 0.0
         self._lost = dict.fromkeys(CAMERAS, 0)
         self._merged = {f"{a} + {b}, {view}": 0 for a, b in _PAIRS for view in CAMERAS}
-        self._merged_frames = self._ambiguous = 0
+        self._merged_frames = self._ambiguous = self._objects = 0
         self._keypoints = {name: np.zeros(_STATUSES, np.int64) for name in _POINTS}
 
     def add(self, sequence: Sequence) -> None:
@@ -169,6 +172,7 @@ class _Parts:
         before = self._scenarios.get(scenario, (0, 0))
         self._scenarios[scenario] = before[0] + 1, before[1] + frames
         self._seconds += frames / sequence.fps
+        self._objects += len(sequence.objects)
         self._add_views(rows)
         self._add_places(sequence, rows)
         self._add_merged(rows)
@@ -189,6 +193,7 @@ class _Parts:
             keypoints={
                 name: (int(n[0]), int(n[1]), int(n[2])) for name, n in self._keypoints.items()
             },
+            object_rows=self._objects,
             histograms={
                 name: Histogram(
                     bins,

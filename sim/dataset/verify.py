@@ -11,11 +11,12 @@ from __future__ import annotations
 import multiprocessing
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import BenchError, InfrastructureError
 from sim.dataset.check.exports import export_faults
 from sim.dataset.check.fault import MISSING, Fault, fault_of
 from sim.dataset.check.files import Sums, Tree, damaged, listing_faults, sums_of, tree_of
@@ -46,7 +47,7 @@ def verify(
 
     sums: read all files to compare their SHA-256 as well; on_sequence is called with the name of
     each sequence once it is checked; jobs: worker processes. Raises BenchError where the folder is
-    no data set at all, or one of a newer version.
+    no data set at all, or one of a newer version, InfrastructureError where a worker dies.
     """
     root = Path(dataset_folder)
     plan = _plan(root)
@@ -104,8 +105,13 @@ def _checked(plan: _Plan, sums: Sums, hash_files: bool, jobs: int) -> Iterator[t
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(min(jobs, len(work)), mp_context=context) as pool:
         waiting = [pool.submit(check_sequence, *task) for task in work]
-        for name, result in zip(plan.names, waiting, strict=True):
-            yield name, result.result()
+        try:
+            for name, result in zip(plan.names, waiting, strict=True):
+                yield name, result.result()
+        except BrokenProcessPool as fault:
+            raise InfrastructureError(
+                "a worker process died, likely for lack of memory: take fewer of them (--jobs)."
+            ) from fault
 
 
 def _plan(root: Path) -> _Plan:

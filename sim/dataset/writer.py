@@ -269,6 +269,8 @@ class _Tables:
                 self._hand_over(name)
 
     def _hand_over(self, name: str) -> None:
+        if not self._held[name]:
+            return  # a row group without rows is more than some readers bear
         table = pa.Table.from_pylist(self._held[name], schema=self._paths[name])
         self._writers[name].write_table(table)
         self._held[name] = []

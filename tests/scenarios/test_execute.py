@@ -15,7 +15,7 @@ from scenarios.play import Job, System
 
 PARENT = """
 import multiprocessing, time
-from scenarios.execute import _prepare_worker
+from scenarios.workers import _prepare_worker
 
 def work():
     _prepare_worker()

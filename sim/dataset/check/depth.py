@@ -71,7 +71,7 @@ class Closing:
 
 
 def validity_faults(frame: Frame, view: int) -> list[Fault]:
-    """Depth where nothing is, none where something is, and the float twin."""
+    """Depth where nothing is, and none where something is."""
     eye = frame.eyes[view]
     faults = []
     file = frame.file("depth", view)
@@ -83,19 +83,22 @@ def validity_faults(frame: Frame, view: int) -> list[Fault]:
             faults.append(Fault(file, f"has depth at {void} pixels whose id is of nothing"))
         if lost:
             faults.append(Fault(file, f"has no depth at {lost} pixels of the person"))
-    if eye.floats is not None:
-        file = frame.file("float", view, ".npz")
-        exact = eye.floats.get("depth_m")
-        size = None if eye.seg is None else eye.seg.shape
-        if exact is None or (size is not None and exact.shape != size):
-            return [*faults, Fault(file, "has no depth_m of the pictures' size")]
-        if eye.depth_m is not None and exact.shape == eye.depth_m.shape:
-            off = np.abs(exact.astype(np.float64) - eye.depth_m)
-            most = float(np.nanmax(off, initial=0.0))
-            if most > 0.51 * DEPTH_UNIT_M:
-                what = f"depth_m differs from {frame.file('depth', view)} by up to {most:.3g} m"
-                faults.append(Fault(file, what))
     return faults
+
+
+def twin_faults(frame: Frame, view: int) -> list[Fault]:
+    """Of depth_m of the NPZ file, which the PNG file rounds."""
+    eye, file = frame.eyes[view], frame.file("float", view, ".npz")
+    if eye.floats is None or eye.depth_m is None:
+        return []
+    exact = eye.floats.get("depth_m")
+    if exact is None or exact.shape != eye.depth_m.shape:
+        return [Fault(file, "has no depth_m of the pictures' size")]
+    most = float(np.nanmax(np.abs(exact.astype(np.float64) - eye.depth_m), initial=0.0))
+    if most > 0.51 * DEPTH_UNIT_M:
+        other = frame.file("depth", view)
+        return [Fault(file, f"depth_m differs from {other} by up to {most:.3g} m")]
+    return []
 
 
 def misplaced(frame: Frame, told: Told, sights: tuple[Sight, Sight]) -> dict[int, str]:

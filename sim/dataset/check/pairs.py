@@ -82,7 +82,8 @@ def disparity_wrong(
     off = pair.scale_px_m * np.abs(met - 1 / expected_m[same])
     allowed = tolerance_px(sights, expected_m[same]) + 1 / DISPARITY_SCALE
     wrong = float(np.mean(off > allowed))
-    gone = (off > allowed + JUMP_PX)[ids[0][same] <= PERSON]
+    even = np.ptp(around[:, same], axis=0) * pair.scale_px_m < JUMP_PX
+    gone = (off > allowed + JUMP_PX)[even & (ids[0][same] <= PERSON)]
     if len(gone) >= FEW and gone.mean() > MOST_GONE:
         return max(wrong, float(gone.mean()))
     return wrong if wrong > 1 - LEAST_CLOSED else None

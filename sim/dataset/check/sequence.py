@@ -19,6 +19,7 @@ from sim.dataset.check.depth import (
     misplaced,
     other_depth,
     surface_offset,
+    twin_faults,
     validity_faults,
 )
 from sim.dataset.check.events import event_faults
@@ -177,15 +178,21 @@ class _Eyes:
         """All checks of a frame."""
         told = self._told[frame.index] if self._told is not None else None
         trusted = [self._masks(frame, view, told) for view in VIEWS]
+        start = len(self.faults)
         for view in VIEWS:
             if trusted[view]:
                 self.faults += validity_faults(frame, view)
-            self.faults += float_faults(frame, view)
             if frame.eyes[view].rectified is not None:
                 self.faults += occlusion_faults(frame, view)
-        if self._sights is None or self._rectified is None or not all(trusted):
-            return
-        self._depths(frame, told, self._sights, self._rectified)
+        if self._sights is not None and self._rectified is not None and all(trusted):
+            self._depths(frame, told, self._sights, self._rectified)
+        named = {fault.file for fault in self.faults[start:]}
+        for view in VIEWS:
+            # A twin of what is wrong itself need not be named.
+            if frame.file("depth", view) not in named:
+                self.faults += twin_faults(frame, view)
+            if not named & {frame.file(kind, view) for kind in ("disparity", "correspondence")}:
+                self.faults += float_faults(frame, view)
 
     def _masks(self, frame: Frame, view: int, told: Told | None) -> bool:
         """Whether the view's ids can be built upon."""

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 from ruamel.yaml import YAML
 
@@ -17,6 +18,7 @@ from pjpdaf.errors import BenchError
 from sim.dataset.bars import bars_svg, bin_names
 from sim.dataset.card import TASKS, card_text, sample_jpeg, without_paths, write_card
 from sim.dataset.layout import conventions
+from sim.dataset.raytruth import RayFigures, lines_of
 from sim.dataset.reader import open_dataset
 from sim.dataset.statistics import BINS, statistics_of
 
@@ -50,6 +52,18 @@ def test_front_matter_is_what_the_hub_reads(text, dataset):
         files = sorted(dataset.folder.glob(config["data_files"]))
         assert len(files) == 3, config
     assert [c.get("default", False) for c in head["configs"]] == [True, False]
+
+
+def test_tables_can_be_loaded_by_the_hubs_library(dataset, statistics):
+    # It reads by row groups: an empty one is a fault to it, and a table without any row as well.
+    for name in ("truth", "objects"):
+        for sequence in dataset.sequences:
+            meta = pq.read_metadata(sequence.folder / f"{name}.parquet")
+            groups = [meta.row_group(i).num_rows for i in range(meta.num_row_groups)]
+            assert 0 not in groups, sequence.name
+    assert statistics.object_rows == 4  # one object in one sequence
+    bare = card_text(dataset, replace(statistics, object_rows=0))
+    assert [c["config_name"] for c in front_matter(bare)["configs"]] == ["truth"]
 
 
 def test_size_is_of_the_rows(dataset, statistics):
@@ -105,9 +119,20 @@ def test_all_conventions_and_labels_are_there(text, dataset):
 
 def test_figures_of_rays_are_said_or_that_there_are_none(dataset, statistics, text):
     assert "dataset verify" in text
-    figures = {"pixels": 20_000, "mask_share": 0.00071, "depth_median_m": 3.2e-5}
+    figures = RayFigures(
+        rays=300,
+        pixels=20_000,
+        wrong=14.0,
+        target_pixels=np.array([400, 100, 100]),
+        target_wrong=np.array([1.0, 0.0, 2.0]),
+        depths_m=np.full(9, 3.2e-5, np.float32),
+        most_m=0.01,
+    )
     said = card_text(dataset, statistics, figures)
-    assert "20000 pixels: another id in 0.071 % of them; depth off by 0.032 mm (median)" in said
+    assert "20000 pixels" in said
+    assert "dataset verify" not in said
+    for line in lines_of(figures):
+        assert f"\n- {line}\n" in said
 
 
 @pytest.mark.parametrize("number", [0, 1])
