@@ -319,8 +319,9 @@ def export_again(folder: Path, exports: Sequence[str]) -> list[Path]:
     with _alone(folder):
         written = write_exports(dataset, exports)
         # The card and Croissant name what is there.
-        command = [str(word) for word in dataset.manifest.get("command", ())]
-        write_top(dataset, command, cast_rays(folder, RAY_FRAMES).figures)
+        command = dataset.manifest.get("command")
+        words = [str(word) for word in command] if isinstance(command, list) else []
+        write_top(dataset, words, cast_rays(folder, RAY_FRAMES).figures)
         write_sums(folder, [sequence.name for sequence in dataset.sequences])
     return written
 

@@ -13,6 +13,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import CancelledError, wait
 from concurrent.futures import TimeoutError as FutureTimeout
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import TracebackType
@@ -96,7 +97,7 @@ class Workers:
                     outcome: Answer[R] | Lost = Answer(future.result())
                 except FutureTimeout:
                     outcome = Lost(late=True, attempts=attempts[number])
-                except (ProcessExpired, CancelledError, EOFError) as death:
+                except (ProcessExpired, BrokenProcessPool, CancelledError) as death:
                     if attempts[number] < ATTEMPTS:
                         waiting.append(number)
                         continue
@@ -124,6 +125,8 @@ class Workers:
                 raise InfrastructureError(
                     "OpenGL did not render one picture within 120 s; try MUJOCO_GL=osmesa"
                 ) from fault
+            except BrokenProcessPool:
+                self._renew()
             except ProcessExpired as fault:
                 if fault.exitcode != -signal.SIGKILL or attempt == ATTEMPTS:
                     raise InfrastructureError(

@@ -330,7 +330,7 @@ def _stir_and_wipe(stage: Stage) -> Plan:
 def _stir(stage: Stage, side: int, hand: HandPlanner) -> tuple[Hold, list[Cue]]:
     """Take the rod from the table, stir, lay it back."""
     room, speed = stage.scene.room, stage.number("speed")
-    cup, rod = room.objects
+    cup, rod = room.objects[:2]  # what moves by itself comes after
     lying, cup_place = object_at_rest(room, "rod"), object_at_rest(room, "cup")
     thumb = -OUTWARD[side]  # along the hand's y
     length, radius = rod.size_m[0], 0.5 * rod.size_m[1]

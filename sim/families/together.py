@@ -318,7 +318,7 @@ def _pass_object(stage: Stage) -> Plan:
     giver, speed = stage.side("giver"), stage.number("speed")
     taker = 1 - giver
     hands = _start(stage)
-    (thing,) = stage.scene.room.objects
+    thing = stage.scene.room.objects[0]  # what moves by itself comes after
     place = object_at_rest(stage.scene.room, thing.name)
     taking = grasp(stage.scene, giver, thing, place)
     gripped = _closed(stage, giver, taking.open, curled(0.7, thumb=0.7), _thing_bars(thing, place))

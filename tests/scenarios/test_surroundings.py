@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from scenarios.catalogue import load_scenario
+from scenarios.catalogue import load_scenario, scenario_names
 from scenarios.concrete import concrete, in_si, perform, scene_of
 from scenarios.parameters import Choice
 from scenarios.surroundings import (
@@ -181,3 +181,14 @@ def test_the_other_arm_never_touches_the_person():
                     )
                     gap = np.linalg.norm(bone[:, None] - own[None], axis=2).min()
                     assert gap > 0.08
+
+
+@pytest.mark.parametrize("name", scenario_names())
+def test_every_scenario_bears_things_that_move_by_themselves(name):
+    scenario = load_scenario(name)
+    asked = {"mover": "balloon", "shadow": "fast", "background_change": "box", "frames": 4}
+    own = len(perform(scenario, 104, {"frames": 4}).scene.room.objects)
+    crowded = perform(scenario, 104, asked)
+    added = [thing.name for thing in crowded.scene.room.objects[own:]]
+    assert len(added) >= 3
+    assert set(added) & set(crowded.script.pose(0.5).objects)
