@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import multiprocessing
 from collections.abc import Callable
-from concurrent.futures import TimeoutError as FutureTimeout
 from typing import Any, TypeVar
-
-from pebble import ProcessExpired, ProcessPool
 
 from pjpdaf.conformance import cameras_in_front
 from pjpdaf.errors import BenchError
 from pjpdaf.parameters import PRESETS
 from pjpdaf.registry import make_detector, make_tracker
+from scenarios.workers import Lost, Workers
 
 BUILD_LIMIT_S = 120.0  # imports of large libraries included
 R = TypeVar("R")
@@ -28,26 +25,23 @@ def isolated(what: str, limit_s: float, function: Callable[..., R], *arguments: 
     Raises Ended where it gives no answer within limit_s or ends the process, and the BenchError
     that it raises itself.
     """
-    spawn = multiprocessing.get_context("spawn")
-    pool = ProcessPool(max_workers=1, context=spawn)
-    try:
-        future = pool.schedule(_answer, args=(function, arguments), timeout=limit_s)
-        answer: R | BenchError = future.result()
-    except FutureTimeout:
-        raise Ended(f"The {what} gives no answer within {limit_s:g} s.") from None
-    except ProcessExpired as death:
+    with Workers(1) as workers:
+        outcomes = workers.outcomes(_answer, {0: (function, arguments)}, limit_s, attempts=1)
+        said = next(found for found in outcomes if found is not None)[1]
+    if isinstance(said, Lost):
+        if said.late:
+            raise Ended(f"The {what} gives no answer within {limit_s:g} s.")
         raise Ended(
-            f"The {what} ends the interpreter (exit code {death.exitcode}); it must raise instead."
-        ) from None
-    finally:
-        pool.stop()
-        pool.join()
-    if isinstance(answer, BenchError):
-        raise answer
+            f"The {what} ends the interpreter (exit code {said.exit_code}); it must raise instead."
+        )
+    if isinstance(said.value, BenchError):
+        raise said.value
+    answer: R = said.value
     return answer
 
 
-def _answer(function: Callable[..., R], arguments: tuple[Any, ...]) -> R | BenchError:
+def _answer(work: tuple[Callable[..., R], tuple[Any, ...]]) -> R | BenchError:
+    function, arguments = work
     try:
         return function(*arguments)
     except BenchError as fault:

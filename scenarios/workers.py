@@ -1,31 +1,30 @@
 """Worker processes that render, isolated from each other and from the parent.
 
-A worker that is killed is replaced, and its task done again; a pool that breaks with it is made
-anew.
+A worker that is killed is replaced, and its task done again. Pools of libraries share a queue and
+its lock among their workers: one that is killed with it in hand stops them all.
 """
 
 from __future__ import annotations
 
 import multiprocessing
 import os
+import pickle
 import signal
 import threading
+import time
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import CancelledError, wait
-from concurrent.futures import TimeoutError as FutureTimeout
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
+from multiprocessing import connection
 from types import TracebackType
-from typing import Generic, TypeVar
-
-from pebble import ProcessExpired, ProcessFuture, ProcessPool
+from typing import Any, Generic, TypeVar
 
 from pjpdaf.errors import InfrastructureError
 
 ATTEMPTS = 3  # of a task whose worker is killed
-RENEWALS = 20  # of a broken pool
 POLL_S = 0.5
+END_LIMIT_S = 5.0  # for a worker to end by itself
 SELF_TEST_LIMIT_S = 120.0
 # One process a core: the software rasteriser's and the libraries' own threads only get in the way.
 # LP_NUM_THREADS must stand before the first GL call; the pixels are the same for any value.
@@ -60,54 +59,50 @@ class Lost:
 class Workers:
     """So many worker processes. Use it with `with`; an exception inside ends them at once.
 
+    Each has a pipe of its own and no lock with others: whenever one is killed, the rest go on.
     tasks_each: a worker is replaced after so many tasks, 0: never.
     """
 
     def __init__(self, count: int, tasks_each: int = 0) -> None:
-        # Spawn, always: a child forked beside a GL context hangs.
         for name, value in WORKER_ENVIRONMENT.items():
             os.environ.setdefault(name, value)
-        self._count, self._tasks_each, self._renewals = count, tasks_each, 0
-        self._others = {child.pid for child in multiprocessing.active_children()}
-        self._pool = self._new()
+        self._count, self._tasks_each = count, tasks_each
+        self._workers: list[_Worker] = []
 
     def outcomes(
-        self, function: Callable[[T], R], tasks: Mapping[int, T], limit_s: float
+        self,
+        function: Callable[[T], R],
+        tasks: Mapping[int, T],
+        limit_s: float,
+        attempts: int = ATTEMPTS,
     ) -> Iterator[tuple[int, Answer[R] | Lost] | None]:
         """`function` of every task, as they end, by number; None now and then while waiting.
 
-        limit_s: of one attempt. An exception of `function` comes out here.
+        limit_s: of one attempt; attempts: of a task whose worker is killed. An exception of
+        `function` comes out here.
         """
-        attempts = dict.fromkeys(tasks, 0)
-        pending: dict[ProcessFuture[R], int] = {}
-        waiting = list(tasks)
-        while waiting or pending:
-            while waiting:
-                attempts[waiting[0]] += 1
-                future = self._schedule(function, tasks[waiting[0]], limit_s)
-                if future is None:  # the pool broke; what it held is done again
-                    waiting += pending.values()
-                    pending.clear()
-                else:
-                    pending[future] = waiting.pop(0)
-            done, _ = wait(pending, timeout=POLL_S, return_when="FIRST_COMPLETED")
-            for future in done:
-                number = pending.pop(future)
-                try:
-                    outcome: Answer[R] | Lost = Answer(future.result())
-                except FutureTimeout:
-                    outcome = Lost(late=True, attempts=attempts[number])
-                except (ProcessExpired, BrokenProcessPool, CancelledError) as death:
-                    if attempts[number] < ATTEMPTS:
+        waiting, tried = deque(tasks), dict.fromkeys(tasks, 0)
+        while waiting or any(worker.number is not None for worker in self._workers):
+            for worker in self._free(len(waiting)):
+                tried[waiting[0]] += 1
+                worker.give(waiting[0], function, tasks[waiting.popleft()])
+            busy = [worker for worker in self._workers if worker.number is not None]
+            connection.wait([handle for one in busy for handle in one.handles], POLL_S)
+            for worker in busy:
+                number, said = worker.number, worker.answer(limit_s)
+                assert number is not None
+                if said is None:
+                    continue
+                if isinstance(said, Lost):
+                    self._workers.remove(worker)
+                    if not said.late and tried[number] < attempts:
                         waiting.append(number)
                         continue
-                    code = getattr(death, "exitcode", None)
-                    outcome = Lost(late=False, attempts=attempts[number], exit_code=code)
-                yield number, outcome
-            if not self._pool.active:
-                waiting += pending.values()
-                pending.clear()
-                self._renew()
+                    said = replace(said, attempts=tried[number])
+                elif self._tasks_each and worker.done >= self._tasks_each:
+                    self._workers.remove(worker)
+                    worker.end()
+                yield number, said
             yield None
 
     def renderer(self) -> str:
@@ -115,33 +110,30 @@ class Workers:
 
         A worker that is killed from outside (as for want of memory) is no fault of OpenGL's.
         """
-        for attempt in range(1, ATTEMPTS + 1):
-            future = self._schedule(_check_renderer, None, SELF_TEST_LIMIT_S)
-            try:
-                if future is not None:
-                    described: str = future.result()
-                    return described
-            except FutureTimeout as fault:
+        code = None
+        for _ in range(ATTEMPTS):
+            found = self.outcomes(_check_renderer, {0: None}, SELF_TEST_LIMIT_S, attempts=1)
+            said = next(one for one in found if one is not None)[1]
+            if isinstance(said, Answer):
+                return said.value
+            if said.late:
                 raise InfrastructureError(
                     "OpenGL did not render one picture within 120 s; try MUJOCO_GL=osmesa"
-                ) from fault
-            except BrokenProcessPool:
-                self._renew()
-            except ProcessExpired as fault:
-                if fault.exitcode != -signal.SIGKILL or attempt == ATTEMPTS:
-                    raise InfrastructureError(
-                        f"OpenGL ends the process (exit code {fault.exitcode}); "
-                        "see what `pjpdaf-bench doctor` says"
-                    ) from fault
-        raise InfrastructureError("worker processes end as soon as they start")
+                )
+            code = said.exit_code
+            if code != -signal.SIGKILL:
+                break
+        raise InfrastructureError(
+            f"OpenGL ends the process (exit code {code}); see what `pjpdaf-bench doctor` says"
+        )
 
     def stop(self) -> None:
         """End all workers now, also those that are still starting."""
-        self._pool.stop()
-        for worker in multiprocessing.active_children():
-            if worker.pid not in self._others:
-                worker.kill()  # one that is still starting would print what it misses
-        self._pool.join()
+        for worker in self._workers:
+            worker.process.kill()
+        for worker in self._workers:
+            worker.end()
+        self._workers = []
 
     def __enter__(self) -> Workers:
         return self
@@ -152,43 +144,105 @@ class Workers:
         fault: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if kind is not None:
-            self.stop()
-        else:
-            self._pool.close()
-            self._pool.join()
-
-    def _new(self) -> ProcessPool:
-        return ProcessPool(
-            max_workers=self._count,
-            max_tasks=self._tasks_each,
-            initializer=_prepare_worker,
-            context=multiprocessing.get_context("spawn"),
-        )
-
-    def _renew(self) -> None:
-        """A new pool for a broken one. Raises InfrastructureError where that goes on and on."""
+        # No worker has a task where all is well: there is nothing to wait for.
         self.stop()
-        self._renewals += 1
-        if self._renewals > RENEWALS:
-            raise InfrastructureError(
-                f"worker processes were killed {RENEWALS} times; try fewer --jobs"
-            )
-        self._pool = self._new()
 
-    def _schedule(
-        self, function: Callable[[T], R], task: T, limit_s: float
-    ) -> ProcessFuture[R] | None:
-        """None: the pool was broken, and is another now."""
+    def _free(self, wanted: int) -> list[_Worker]:
+        """So many workers without a task, started where there are too few."""
+        for worker in [w for w in self._workers if w.number is None]:
+            if not worker.process.is_alive():  # killed while it waited
+                self._workers.remove(worker)
+                worker.end()
+        free = [worker for worker in self._workers if worker.number is None]
+        while len(free) < wanted and len(self._workers) < self._count:
+            free.append(_Worker())
+            self._workers.append(free[-1])
+        return free[:wanted]
+
+
+class _Worker:
+    """A process and its end of a pipe. number: of the task that it does, None without one."""
+
+    def __init__(self) -> None:
+        # Spawn, always: a child forked beside a GL context hangs.
+        spawn = multiprocessing.get_context("spawn")
+        self._pipe, theirs = spawn.Pipe()
+        self.process = spawn.Process(target=_serve, args=(theirs,))
+        with _interrupt_deferred():
+            self.process.start()
+        theirs.close()  # so that its end is known by the pipe's
+        self.number: int | None = None
+        self.done = 0
+        self._since = 0.0
+
+    @property
+    def handles(self) -> tuple[Any, int]:
+        """What `multiprocessing.connection.wait` takes: ready with an answer, and with its end."""
+        return self._pipe, self.process.sentinel
+
+    def give(self, number: int, function: Callable[[T], R], task: T) -> None:
+        """Begin a task."""
+        self.number, self._since = number, time.monotonic()
+        with suppress(BrokenPipeError, ConnectionResetError):  # it ended; `answer` will say so
+            self._pipe.send((function, task))
+
+    def answer(self, limit_s: float) -> Answer[Any] | Lost | None:
+        """What became of its task, None while it goes on. A lost worker is ended.
+
+        Raises what the task raised.
+        """
+        alive = self.process.is_alive()  # asked first: an answer may come just before the end
+        if self._pipe.poll():
+            try:
+                fine, value = self._pipe.recv()
+            except (EOFError, OSError, pickle.UnpicklingError):
+                return self._lost(late=False)
+            self.number = None
+            self.done += 1
+            if not fine:
+                raise value
+            return Answer(value)
+        if not alive:
+            return self._lost(late=False)
+        if time.monotonic() - self._since > limit_s:
+            return self._lost(late=True)
+        return None
+
+    def end(self) -> None:
+        """Let it go: without its pipe it ends, and its remains are taken away."""
+        self._pipe.close()
+        self.process.join(END_LIMIT_S)
+        if self.process.exitcode is None:
+            self.process.kill()
+            self.process.join()
+        self.process.close()
+
+    def _lost(self, late: bool) -> Lost:
+        self.number = None
+        if late:
+            self.process.kill()
+        self.process.join(END_LIMIT_S)
+        code = self.process.exitcode
+        self.end()
+        return Lost(late, attempts=1, exit_code=code)
+
+
+def _serve(pipe: Any) -> None:
+    """In a worker: answer each task, until the pipe is closed."""
+    _prepare_worker()
+    while True:
         try:
-            with _interrupt_deferred():  # the first task starts the workers
-                future: ProcessFuture[R] = self._pool.schedule(
-                    function, args=(task,), timeout=limit_s
-                )
-        except RuntimeError:
-            self._renew()
-            return None
-        return future
+            function, task = pipe.recv()
+        except EOFError:
+            return
+        try:
+            answer = True, function(task)
+        except Exception as fault:
+            answer = False, fault
+        try:
+            pipe.send(answer)
+        except (AttributeError, TypeError, pickle.PicklingError) as fault:
+            pipe.send((False, RuntimeError(f"its answer cannot be sent: {fault}")))
 
 
 def _prepare_worker() -> None:
