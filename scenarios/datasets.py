@@ -112,6 +112,7 @@ def make(request: MakeRequest) -> None:
                 started = time.perf_counter()
                 with _Progress(console, tasks, frames) as progress:
                     written = _make_all(pool, tasks, progress.step)
+            _sweep(out)  # of workers that were killed
         except KeyboardInterrupt:
             _sweep(out)
             done = sum((out / entry.folder).is_dir() for entry in entries)
