@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import Annotated
 
@@ -13,7 +14,8 @@ app = typer.Typer(help="Labelled stereo data sets.", no_args_is_help=True)
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a data set.")]
 Formats = Annotated[
-    str, typer.Option(metavar="A,B", help="Of coco, mot, webdataset, parquet; or none.")
+    str | None,
+    typer.Option(metavar="A,B", help="Of coco, mot, webdataset, parquet; or none [coco,mot]."),
 ]
 
 
@@ -41,7 +43,7 @@ def make(
             help="Of clean, depth, seg, amodal, disparity, correspondence, float; all, none.",
         ),
     ] = "depth,seg,amodal,disparity",
-    export: Formats = "coco,mot",
+    export: Formats = None,
     ladder: Annotated[
         bool,
         typer.Option(
@@ -81,6 +83,7 @@ def make(
     from scenarios.datasets import make as make_dataset
     from scenarios.recipe import Settings, labels_named, size_named
 
+    wanted = labels_named(labels)
     make_dataset(
         MakeRequest(
             targets=tuple(targets or ("smoke",)),
@@ -88,8 +91,8 @@ def make(
             seeds=seeds,
             first_seed=first_seed,
             settings=tuple(settings or ()),
-            labels=Settings(labels_named(labels), None if size is None else size_named(size)),
-            exports=formats_named(export),
+            labels=Settings(wanted, None if size is None else size_named(size)),
+            exports=formats_named(export, wanted),
             ladder=ladder,
             jobs=jobs,
         )
@@ -99,16 +102,16 @@ def make(
 @app.command()
 def export(
     folder: Folder,
-    to: Formats = "coco,mot",
+    to: Formats = None,
 ) -> None:
     """Write a data set in other formats too, into its own folder; older ones are replaced.
 
     coco: annotations/, mot: mot/, webdataset: webdataset/ (tar files), parquet: parquet/ (with the
     pictures in it, as Hugging Face's `datasets` reads it).
     """
-    from scenarios.datasets import export_again
+    from scenarios.datasets import export_again, labels_of
 
-    for path in export_again(folder, formats_named(to)):
+    for path in export_again(folder, formats_named(to, labels_of(folder))):
         typer.echo(path)
 
 
@@ -155,14 +158,21 @@ def verify(
     raise typer.Exit(verify_dataset(VerifyRequest(folder, sums, rays, worker_count(jobs))))
 
 
-def formats_named(words: str) -> tuple[str, ...]:
-    """The formats of a text such as "coco,mot"; "none". Raises BenchError for an unknown one."""
+def formats_named(words: str | None, labels: Collection[str]) -> tuple[str, ...]:
+    """The formats of a text such as "coco,mot"; "none"; None: the usual ones that labels allow.
+
+    Raises BenchError for an unknown one, or one that needs a label that is not there.
+    """
     from sim.dataset.layout import EXPORTS
 
+    if words is None:
+        return ("coco", "mot") if "seg" in labels else ("mot",)
     named = [word.strip() for word in words.split(",") if word.strip()]
     if named == ["none"]:
         return ()
     for name in named:
         if name not in EXPORTS:
             raise BenchError(f"--export {name[:40]}: must be of {', '.join(EXPORTS)}; or none")
+    if "coco" in named and "seg" not in labels:
+        raise BenchError("--export coco: its masks are made of the label seg, which is left out")
     return tuple(name for name in EXPORTS if name in named)

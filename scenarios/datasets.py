@@ -22,6 +22,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.registry import described
 from reports.provenance import PACKAGES, provenance
+from reports.tables import count
 from scenarios.catalogue import scenario_names, suite_names
 from scenarios.concrete import setting_of
 from scenarios.dataset_finish import write_exports, write_text, write_top
@@ -126,11 +127,11 @@ def make(request: MakeRequest) -> None:
         wall_s = time.perf_counter() - started
         finish(out, entries, settings, made_with, request.exports, words_of(request))
     size = sum(one.bytes for one in written)
-    said = f"{len(tasks)} sequences, {frames} stereo frames"
+    said = f"{count(len(tasks), 'sequence')}, {count(frames, 'stereo frame')}"
     if tasks:
         said += f", {decimal(size)} in {wall_s:.0f} s ({frames / wall_s:.1f} frames/s)"
     kept = len(entries) - len(tasks)
-    print(f"{said}, {workers} workers" + (f"; {kept} were there" if kept else ""))
+    print(f"{said}, {count(workers, 'worker')}" + (f"; {kept} were there" if kept else ""))
     print(f"data set: {request.out}")
 
 
@@ -307,6 +308,11 @@ def finish(
     write_top(dataset, command, cast_rays(out, RAY_FRAMES).figures)
     write_manifest(out, manifest_record(entries, settings, made_with, True, command))
     write_sums(out, [entry.folder for entry in entries])
+
+
+def labels_of(folder: Path) -> tuple[str, ...]:
+    """The labels of a data set. Raises BenchError."""
+    return open_dataset(folder).labels
 
 
 def export_again(folder: Path, exports: Sequence[str]) -> list[Path]:
