@@ -1,7 +1,19 @@
-"""Makes tests/strategies.py importable as `strategies` in every test."""
+"""Makes tests/strategies.py and its like importable in every test; one thread a test process."""
 
+import os
 import sys
 from pathlib import Path
 
 # Last: tests/pjpdaf must not hide the package pjpdaf.
 sys.path.append(str(Path(__file__).parent))
+
+if "PYTEST_XDIST_WORKER" in os.environ:
+    # One process a core: threads of libraries and of the rasteriser only get in each other's way.
+    # Before anything loads them; their results are the same.
+    for name, value in (
+        ("LP_NUM_THREADS", "0"),
+        ("OMP_NUM_THREADS", "1"),
+        ("OPENBLAS_NUM_THREADS", "1"),
+        ("MKL_NUM_THREADS", "1"),
+    ):
+        os.environ.setdefault(name, value)

@@ -6,6 +6,7 @@ import shutil
 import cv2
 import numpy as np
 import pytest
+from waiting import until
 
 from reports.contact_sheet import (
     GAP_PX,
@@ -170,7 +171,7 @@ def test_a_browser_shows_it_without_network(page, tmp_path, scheme):
         assert view.evaluate("document.activeElement.textContent") == "Baseline"
         view.locator('a[href="#scenario-drink"]').focus()
         view.keyboard.press("Enter")
-        view.wait_for_function("location.hash === '#scenario-drink'")
+        until(view, "() => location.hash === '#scenario-drink'")
         assert view.locator("#scenario-drink").is_visible()
         # On paper: no card is cut in two, all of them are there.
         view.emulate_media(media="print")

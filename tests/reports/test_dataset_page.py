@@ -11,6 +11,9 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from waiting import until
+
+LEFT = "document.querySelector('[data-part=left]')"
 
 from pjpdaf.targets import TARGETS
 from reports.dataset_page import LAYERS, VIEW_PX, clip_data, clips, dataset_page, event_rows
@@ -282,8 +285,10 @@ def test_bars_jump_marks_toggle_and_playing_goes_on(page, shown, tmp_path):
         for name in ("boxes", "points"):
             full = drawn(view)
             view.locator(f"[data-part=show-{name}]").uncheck()
-            view.wait_for_function(
-                "old => document.querySelector('[data-part=left]').toDataURL() !== old", arg=full[0]
+            until(
+                view,
+                "old => document.querySelector('[data-part=left]').toDataURL() !== old",
+                full[0],
             )
         view.keyboard.press("Home")
         at(view, frame=0)

@@ -13,6 +13,9 @@ from types import SimpleNamespace
 import cv2
 import numpy as np
 import pytest
+from waiting import until
+
+LEFT = "document.querySelector('[data-part=left]')"
 
 from pjpdaf.errors import BenchError
 from pjpdaf.frames import StereoFrame
@@ -306,7 +309,7 @@ def test_the_slider_moves_everything(runs, tmp_path):
         # Playing goes on by itself and stops.
         view.select_option("[data-part=speed]", "4")
         view.locator("[data-part=play]").click()
-        view.wait_for_function("/^[0-6]$/.test(document.getElementById('player').dataset.frame)")
+        until(view, "() => /^[0-6]$/.test(document.getElementById('player').dataset.frame)")
         view.locator("[data-part=play]").click()
         assert view.inner_text("[data-part=play]") == "Play"
 
@@ -321,13 +324,17 @@ def test_pictures_toggles_and_turning(runs, tmp_path):
         full = drawings(view)
         for name in ("picture", "detections", "estimates", "truth"):
             view.locator(f"[data-part=show-{name}]").uncheck()
-            view.wait_for_function(
-                "old => document.querySelector('[data-part=left]').toDataURL() !== old", arg=full[0]
+            until(
+                view,
+                "old => document.querySelector('[data-part=left]').toDataURL() !== old",
+                full[0],
             )
             assert drawings(view)[0] != full[0], name
             view.locator(f"[data-part=show-{name}]").check()
-            view.wait_for_function(
-                "old => document.querySelector('[data-part=left]').toDataURL() === old", arg=full[0]
+            until(
+                view,
+                "old => document.querySelector('[data-part=left]').toDataURL() === old",
+                full[0],
             )
         # The 3-D view turns by mouse and by keyboard; the other parts stay.
         box = view.locator("[data-part=space]").bounding_box()
