@@ -13,7 +13,7 @@ from sim.dataset.labeller import Labeller
 from sim.dataset.writer import write_sequence
 from sim.sequence import Simulation
 
-FRAMES = 6
+FRAMES = 3
 LABELS = ("depth", "seg", "amodal")  # colour, depth, ids, amodal masks, boxes, keypoints
 
 

@@ -13,8 +13,6 @@ import numpy as np
 import pytest
 from waiting import until
 
-LEFT = "document.querySelector('[data-part=left]')"
-
 from pjpdaf.targets import TARGETS
 from reports.dataset_page import LAYERS, VIEW_PX, clip_data, clips, dataset_page, event_rows
 from reports.dataset_rerun import write_dataset_rerun
@@ -32,6 +30,7 @@ from sim.dataset.writer import write_sequence
 from sim.sequence import Simulation
 from sim.world import CAMERAS
 
+LEFT = "document.querySelector('[data-part=left]')"
 HOSTILE = "</script><b>x{{ 7*7 }}"
 SIZE_PX = (160, 120)
 LABELS = ("clean", "depth", "seg", "amodal", "disparity")

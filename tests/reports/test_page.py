@@ -15,8 +15,6 @@ import numpy as np
 import pytest
 from waiting import until
 
-LEFT = "document.querySelector('[data-part=left]')"
-
 from pjpdaf.errors import BenchError
 from pjpdaf.frames import StereoFrame
 from reports.overlay import overlay_jpeg
@@ -26,6 +24,7 @@ from reports.results import RunInfo, load, save
 from reports.rows import rows_of
 from reports.stills import still
 
+LEFT = "document.querySelector('[data-part=left]')"
 HOSTILE = '<script>alert("x")</script>&{{ 7*7 }}'
 CHROMIUM = shutil.which("chromium")
 in_a_browser = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH")

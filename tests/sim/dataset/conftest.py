@@ -3,6 +3,7 @@
 import shutil
 
 import pytest
+from shared import shared
 
 from scenarios.catalogue import load_scenario
 from scenarios.concrete import perform
@@ -30,10 +31,8 @@ SEQUENCES = (
 )
 
 
-@pytest.fixture(scope="session")
-def dataset_made(tmp_path_factory):
-    """Folder of a data set with all labels; read only, copy it to change it."""
-    folder = tmp_path_factory.mktemp("dataset") / "set"
+def make(root):
+    folder = root / "set"
     folder.mkdir()
     entries = []
     for index, (name, seed, overrides) in enumerate(SEQUENCES):
@@ -49,7 +48,12 @@ def dataset_made(tmp_path_factory):
         )
     settings = {"labels": list(LABELS), "size": None}
     write_manifest(folder, manifest_record(entries, settings, {}, complete=True))
-    return folder
+
+
+@pytest.fixture(scope="session")
+def dataset_made(tmp_path_factory):
+    """Folder of a data set with all labels; read only, copy it to change it."""
+    return shared(tmp_path_factory, "dataset", make) / "set"
 
 
 @pytest.fixture
