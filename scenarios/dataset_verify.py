@@ -10,6 +10,7 @@ import typer
 from rich.console import Console
 
 from pjpdaf.errors import BenchError, InfrastructureError
+from reports.tables import count
 from scenarios.progress import progress_bar
 from scenarios.recipe import performance_of
 from sim.dataset.check.fault import Fault
@@ -78,7 +79,7 @@ def verify_dataset(request: VerifyRequest) -> int:
             typer.echo(f"rays: {line}")
     found = len(faults) + len(cast.faults)
     verdict = "no fault" if not found else f"{found} fault{'s' if found > 1 else ''}"
-    typer.echo(f"{request.folder}: {len(done)} sequences, {verdict}")
+    typer.echo(f"{request.folder}: {count(len(done), 'sequence')}, {verdict}")
     return 1 if found else 0
 
 
@@ -127,8 +128,8 @@ def _spread(sequences: tuple[Sequence, ...], frames: int) -> Iterator[tuple[Sequ
     total = sum(counts)
     wanted = sorted({(2 * k + 1) * total // (2 * frames) for k in range(frames)}) if total else []
     start = 0
-    for sequence, count in zip(sequences, counts, strict=True):
-        mine = [frame - start for frame in wanted if start <= frame < start + count]
-        start += count
+    for sequence, frame_count in zip(sequences, counts, strict=True):
+        mine = [frame - start for frame in wanted if start <= frame < start + frame_count]
+        start += frame_count
         if mine:
             yield sequence, mine

@@ -45,7 +45,7 @@ def test_a_whole_data_set_passes_and_says_how_exact_it_is(made, capsys):
     assert verify_dataset(VerifyRequest(made, rays=2)) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.partition(":")[0] for line in lines[:3]] == ["rays"] * 3
-    assert lines[-1] == f"{made}: 1 sequences, no fault"
+    assert lines[-1] == f"{made}: 1 sequence, no fault"
     cast = cast_rays(made, 2)
     assert cast.figures is not None
     assert cast.figures.met
@@ -60,7 +60,7 @@ def test_faults_are_lines_and_exit_code_1(copy, capsys):
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == f"{SEQ}/right/000003.png: missing"
     assert lines[1] == f"not compared with rays: {SEQ}: has faults"
-    assert lines[-1] == f"{copy}: 1 sequences, 1 fault"
+    assert lines[-1] == f"{copy}: 1 sequence, 1 fault"
 
 
 def test_labels_that_agree_with_each_other_but_not_with_the_recipe_are_found(copy):
