@@ -10,7 +10,7 @@ from pathlib import Path
 from sim.dataset.card import write_card
 from sim.dataset.croissant import CROISSANT, croissant_record
 from sim.dataset.export.registry import EXPORTS
-from sim.dataset.layout import CALIBRATION, CARD, CONVENTIONS, conventions
+from sim.dataset.layout import CALIBRATION, CONVENTIONS, conventions
 from sim.dataset.raytruth import RayFigures
 from sim.dataset.reader import Dataset
 from sim.dataset.statistics import statistics_of
@@ -50,9 +50,7 @@ def write_top(dataset: Dataset, argv: Sequence[str], rays: RayFigures | None = N
     write_text(dataset.folder / CONVENTIONS, json.dumps(conventions(), indent=1) + "\n")
     write_calibration(dataset)
     write_text(dataset.folder / CROISSANT, json.dumps(croissant_record(dataset), indent=1) + "\n")
-    # The card writes its pictures itself.
-    card = write_card(dataset, statistics_of(dataset), rays, command=argv)
-    write_text(dataset.folder / CARD, card)
+    write_card(dataset, statistics_of(dataset), rays, command=argv)
 
 
 def write_text(path: Path, text: str) -> None:

@@ -13,6 +13,7 @@ from pjpdaf.errors import BenchError
 from reports.dataset_page import Clip, clips, dataset_page
 from reports.dataset_rerun import write_dataset_rerun
 from reports.dataset_sheet import dataset_sheet, sheet_png
+from reports.tables import count
 from scenarios.progress import progress_bar
 from scenarios.show import spread, told_of_signals
 from sim.dataset.reader import Dataset, open_dataset
@@ -55,7 +56,7 @@ def show_dataset(request: ShowDatasetRequest) -> str:
     with told_of_signals(first):
         if request.rerun is not None:  # first: whether Rerun is there shows at once
             write_dataset_rerun(dataset, sequences, request.rerun)
-            said.append(f"recording: {request.rerun} ({_many(len(sequences), 'sequence')})")
+            said.append(f"recording: {request.rerun} ({count(len(sequences), 'sequence')})")
         if sheet is not None and page is not None:
             with disk_faults(sheet.parent, "sheet and page"):
                 sheet.parent.mkdir(exist_ok=True)
@@ -148,7 +149,3 @@ def _shown_words(shown: Sequence[Clip], sequences: Sequence[Recorded]) -> str:
 def _share(shown: int, all_of_them: int) -> str:
     of_all = "" if shown == all_of_them else f" of {all_of_them}"
     return f"{shown}{of_all} sequence{'' if all_of_them == 1 else 's'}"
-
-
-def _many(count: int, what: str) -> str:
-    return f"{count} {what}{'' if count == 1 else 's'}"

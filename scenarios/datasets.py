@@ -85,6 +85,7 @@ def make(request: MakeRequest) -> None:
     out = request.out.absolute()
     settings = {**request.labels.record(), "ladder": request.ladder}
     entries = [entry_of(index, recipe) for index, recipe in enumerate(recipes)]
+    words = words_of(request)
     console = Console(stderr=True)
     signal.signal(signal.SIGTERM, _interrupt)
     with disk_faults(out, "the data set"):
@@ -97,7 +98,6 @@ def make(request: MakeRequest) -> None:
                 _check_renderer(out, made_with)
                 _sweep(out)
                 if not (out / MANIFEST).exists():
-                    words = words_of(request)
                     record = manifest_record(entries, settings, made_with, False, words)
                     write_manifest(out, record)
                 tasks = {
@@ -125,7 +125,7 @@ def make(request: MakeRequest) -> None:
             _sweep(out)
             raise
         wall_s = time.perf_counter() - started
-        finish(out, entries, settings, made_with, request.exports, words_of(request))
+        finish(out, entries, settings, made_with, request.exports, words)
     size = sum(one.bytes for one in written)
     said = f"{count(len(tasks), 'sequence')}, {count(frames, 'stereo frame')}"
     if tasks:
