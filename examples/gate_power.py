@@ -24,14 +24,14 @@ import numpy as np
 from pjpdaf.camera import Camera, StereoRig
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detections, Estimates
-from pjpdaf.registry import make_detector, make_tracker
-from reports.gate import compare
-from reports.records import EpisodeFailure
-from reports.results import RunInfo, SavedRun, load, save
-from reports.rows import EpisodeRows, rows_of
-from scenarios.concrete import perform
-from scenarios.play import Job, System, digest_of, play_footage
-from scenarios.run import RunRequest, entry_of, plan
+from pjpdaf.plugins.registry import make_detector, make_tracker
+from reports.gate.gate import compare
+from reports.run.results import RunInfo, SavedRun, load, save
+from reports.run.rows import EpisodeRows, rows_of
+from reports.score.records import EpisodeFailure
+from scenarios.play.play import Job, System, digest_of, play_footage
+from scenarios.run.run import RunRequest, entry_of, plan
+from scenarios.spec.draw import perform
 from sim.sequence import Simulation
 
 PRESET = "thesis"

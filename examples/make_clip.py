@@ -11,13 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.clips import ARM_JOINTS
-from sim.motion import Performer, Plan
-from sim.planner import HandPlanner, raised
+from sim.clips.clips import ARM_JOINTS
+from sim.motion.motion import Performer, Plan
+from sim.motion.planner import HandPlanner, raised
+from sim.motion.strokes import wobble
 from sim.pose import SIDES
 from sim.randomness import generator
 from sim.specs import SceneSpec
-from sim.strokes import wobble
 
 HZ = 30
 # What is said, when both hands are there [s], and where: ahead, outward, above the shoulders [m].

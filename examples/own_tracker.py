@@ -4,8 +4,8 @@ import numpy as np
 
 from pjpdaf.camera import project, triangulate
 from pjpdaf.interfaces import Estimates
-from pjpdaf.parameters import TrackerParameters
-from pjpdaf.start import find_head_and_hands
+from pjpdaf.presets.parameters import TrackerParameters
+from pjpdaf.tracker.start import find_head_and_hands
 
 
 class NearestBlob:

@@ -14,12 +14,12 @@ from dataclasses import replace
 import numpy as np
 
 from pjpdaf.interfaces import Estimates
-from pjpdaf.parameters import FRAME_S, find_preset, with_values
-from pjpdaf.tracker import PJPDAF
-from reports.records import Episode, FrameOutcome
-from reports.rows import rows_of
-from scenarios.catalogue import load_scenario
-from scenarios.play import Job, System, play
+from pjpdaf.presets.parameters import FRAME_S, find_preset, with_values
+from pjpdaf.tracker.filter import PJPDAF
+from reports.run.rows import rows_of
+from reports.score.records import Episode, FrameOutcome
+from scenarios.play.play import Job, System, play
+from scenarios.spec.names import load_scenario
 
 SCENARIOS = ("calm_table", "drink", "cross", "bounce", "speed_ladder")
 Q_POSITION, Q_VELOCITY = 50e-6, 5e-6 / FRAME_S**2

@@ -1,5 +1,5 @@
 """`python -m scenarios` is the command pjpdaf-bench."""
 
-from scenarios.cli import main
+from scenarios.cli.main import main
 
 main()

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, undistort_points
 from pjpdaf.targets import TARGETS
+from sim.camera.render import ViewRender
 from sim.pose import Pose
-from sim.render import ViewRender
+from sim.scene.world import CAMERAS
 from sim.script import Script
 from sim.truth import Truth, ViewTruth
-from sim.world import CAMERAS
 
 VELOCITY_STEP_S = 0.005  # half the interval of the central difference
 TOUCH_PX = 2  # visible skin no farther apart than this is one blob to a detector

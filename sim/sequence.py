@@ -11,18 +11,18 @@ import numpy as np
 
 from pjpdaf.camera import StereoRig
 from pjpdaf.frames import StereoFrame
-from sim import selftest
-from sim.clock import moment
-from sim.exposure import subframes
+from sim.camera import selftest
+from sim.camera.clock import moment
+from sim.camera.exposure import subframes
+from sim.camera.miscalibration import miscalibrated
+from sim.camera.render import StereoRenderer, ViewRender
+from sim.camera.sensor import Picture, expose, mean_light
 from sim.labels import centres, truth_of, velocities
-from sim.miscalibration import miscalibrated
 from sim.pose import Pose
-from sim.render import StereoRenderer, ViewRender
-from sim.rig import stereo_rig
+from sim.scene.rig import stereo_rig
+from sim.scene.world import CAMERAS, World, build
 from sim.script import Performance
-from sim.sensor import Picture, expose, mean_light
 from sim.truth import Truth
-from sim.world import CAMERAS, World, build
 
 
 @dataclass(frozen=True, eq=False)

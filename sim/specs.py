@@ -19,16 +19,16 @@ class Appearance:
     skin_rgb: RGB = (0.84, 0.58, 0.45)
     hair_rgb: RGB = (0.16, 0.10, 0.07)
     shirt_rgb: RGB = (0.15, 0.22, 0.52)
-    sleeves: str = "long"  # one of sim.body.SLEEVES
+    sleeves: str = "long"  # one of sim.person.body.SLEEVES
     beard: bool = False
     glasses: bool = False
-    hair: str = "short"  # one of sim.head.HAIR
-    shirt_pattern: str = "plain"  # one of sim.textures.PATTERNS
+    hair: str = "short"  # one of sim.person.head.HAIR
+    shirt_pattern: str = "plain"  # one of sim.surfaces.textures.PATTERNS
 
 
 @dataclass(frozen=True)
 class ObjectSpec:
-    """A thing: kind is one of sim.objects.KINDS; (x, y) of its base's centre, z up.
+    """A thing: kind is one of sim.scene.objects.KINDS; (x, y) of its base's centre, z up.
 
     base_m: height of its base above the floor, None = it stands on the table.
     """
@@ -51,7 +51,7 @@ class RoomSpec:
     table_depth_m: float = 0.75
     table_width_m: float = 1.5
     table_rgb: RGB = (0.47, 0.50, 0.53)
-    table_surface: str = "wood"  # one of sim.textures.SURFACES
+    table_surface: str = "wood"  # one of sim.surfaces.textures.SURFACES
     wall_rgb: RGB = (0.62, 0.63, 0.60)
     light_gain: float = 1.0
     light_rgb: RGB = (1.0, 1.0, 1.0)  # colour of all lights
@@ -92,8 +92,8 @@ class RigSpec:
 class SensorSpec:
     """What a real camera does to a picture, in the order in which it does it.
 
-    Light is linear until the picture is encoded; `sim.sensor` has the formulas. Raises ValueError
-    for numbers that no camera has.
+    Light is linear until the picture is encoded; `sim.camera.sensor` has the formulas. Raises
+    ValueError for numbers that no camera has.
     """
 
     exposure_time_s: float = 0.0  # 0 = no blur; the picture is the mean over this time

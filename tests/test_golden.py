@@ -11,9 +11,9 @@ import numpy as np
 import pandas as pd
 
 from pjpdaf.targets import TARGETS
-from scenarios.catalogue import load_scenario
-from scenarios.execute import play_all
-from scenarios.play import Job, System
+from scenarios.execute.episodes import play_all
+from scenarios.play.play import Job, System
+from scenarios.spec.names import load_scenario
 
 GOLDEN = Path(__file__).parent / "golden" / "cross_0.csv"
 COLUMNS = [

@@ -28,7 +28,7 @@ def test_package_inits_are_docstrings_alone():
 
 def test_pjpdaf_alone_loads_no_simulator():
     code = (
-        "import sys, pjpdaf.tracker, pjpdaf.detector, pjpdaf.registry;"
+        "import sys, pjpdaf.tracker.filter, pjpdaf.detector.detector, pjpdaf.plugins.registry;"
         "bad = {'mujoco', 'pandas', 'plotly', 'sim', 'reports', 'scenarios'} & set(sys.modules);"
         "assert not bad, bad"
     )

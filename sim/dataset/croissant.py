@@ -12,7 +12,7 @@ from sim.dataset.checksums import sha256_of
 from sim.dataset.layout import CONVENTIONS, LABELS, OBJECTS, TRUTH
 from sim.dataset.reader import Dataset
 from sim.dataset.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 CROISSANT = "croissant.json"
 CONFORMS_TO = "http://mlcommons.org/croissant/1.0"

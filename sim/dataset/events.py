@@ -10,8 +10,8 @@ import numpy as np
 
 from pjpdaf.targets import LEFT_HAND, RIGHT_HAND, TARGETS
 from sim.dataset.instances import Instances
+from sim.scene.world import CAMERAS
 from sim.truth import Truth
-from sim.world import CAMERAS
 
 LEAST_HIDDEN = 0.05  # share of the amodal target; less is a touch of silhouettes
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pjpdaf.targets import TARGETS
-from sim.world import World
+from sim.scene.world import World
 
 NOTHING = 0  # nothing within zfar
 # 1, 2, 3 are the targets' skin, in the order of TARGETS.

@@ -11,11 +11,11 @@ from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND
 from sim.anatomy import Anatomy
 from sim.dataset.records import KEYPOINTS, NOT_LABELLED, OCCLUDED, VISIBLE
 from sim.dataset.stereo import shown
-from sim.hand import FINGERS, fingers, joint_angles, palm_surface
-from sim.head import head_surface
-from sim.kinematics import about
 from sim.lens import Lens
+from sim.person.hand import FINGERS, fingers, joint_angles, palm_surface
+from sim.person.head import head_surface
 from sim.pose import Pose, Transform
+from sim.vectors import about
 
 # The fold between lower lip and chin, in half heights of the head below its centre; the surface's
 # foremost point of the mid-line below it is the chin (the pogonion of anatomy).

@@ -13,6 +13,8 @@ from scipy.spatial.transform import Rotation
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
 from pjpdaf.targets import TARGETS
+from sim.camera.rays import cast
+from sim.camera.render import StereoRenderer, ViewRender
 from sim.dataset.instances import FIRST_OBJECT, Instances, instances_of
 from sim.dataset.keypoints import Keypoints
 from sim.dataset.records import (
@@ -24,14 +26,12 @@ from sim.dataset.records import (
     ViewLabels,
 )
 from sim.dataset.stereo import Depths, Float32s, PicturePair, RectifiedPair, shown
-from sim.kinematics import about_z
 from sim.labels import VELOCITY_STEP_S
 from sim.lens import Lens
 from sim.pose import Pose, Transform
-from sim.rays import cast
-from sim.render import StereoRenderer, ViewRender
+from sim.scene.world import World
 from sim.sequence import Shot, Simulation
-from sim.world import World
+from sim.vectors import about_z
 
 DISPARITY, CORRESPONDENCE = "disparity", "correspondence"
 _CENTRES = [KEYPOINTS.index((t, "palm_centre" if t else "head_centre")) for t in range(3)]

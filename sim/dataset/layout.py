@@ -7,7 +7,7 @@ from typing import Any
 
 from pjpdaf.targets import TARGETS
 from sim.dataset.records import HIDDEN, KEYPOINTS, NO_SURFACE, OUT_OF_FRAME, SEEN
-from sim.world import CAMERAS, ZFAR_M, ZNEAR_M
+from sim.scene.world import CAMERAS, ZFAR_M, ZNEAR_M
 
 KIND = "pjpdaf-bench data set"
 SCHEMA_VERSION = 1

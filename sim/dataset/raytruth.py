@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from pjpdaf.arrays import Floats
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
+from sim.camera.rays import cast
 from sim.dataset.instances import Instances, instances_of
 from sim.dataset.layout import DEPTH_UNIT_M
 from sim.dataset.reader import Sequence
-from sim.rays import cast
+from sim.scene.world import CAMERAS
 from sim.sequence import Simulation
-from sim.world import CAMERAS
 
 STEP_PX = 6
 BAND_PX = 2  # around the borders of the targets' masks, where every pixel is looked at

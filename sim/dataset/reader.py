@@ -40,8 +40,8 @@ from sim.dataset.layout import (
 )
 from sim.dataset.records import Matches
 from sim.dataset.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA, truth_of_rows
+from sim.scene.world import CAMERAS
 from sim.truth import Truth
-from sim.world import CAMERAS
 
 MAX_JSON_BYTES = 256 << 20
 MAX_PICTURE_BYTES = 1 << 30

@@ -19,7 +19,7 @@ from pjpdaf.targets import LEFT_HAND, RIGHT_HAND, TARGETS
 from sim.dataset.layout import TRUTH
 from sim.dataset.reader import Dataset, Sequence
 from sim.dataset.records import KEYPOINTS, NOT_LABELLED, VISIBLE
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 HANDS = (RIGHT_HAND, LEFT_HAND)
 _PAIRS = tuple(combinations(TARGETS, 2))

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from pjpdaf.arrays import Floats
 from pjpdaf.calibration import rectify
 from pjpdaf.camera import Camera, StereoRig, distort_points
+from sim.camera.render import NO_LENS
 from sim.dataset.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN, Matches
 from sim.lens import Lens, ideal_pixels
-from sim.render import NO_LENS
 
 Float32s = NDArray[np.float32]
 Depths = tuple[Float32s, Float32s]

@@ -11,8 +11,8 @@ import pyarrow as pa
 from pjpdaf.targets import TARGETS
 from sim.dataset.instances import Instances
 from sim.dataset.records import FrameLabels
+from sim.scene.world import CAMERAS
 from sim.truth import Truth, ViewTruth
-from sim.world import CAMERAS
 
 _AXES, _QUATERNION, _BOX = "xyz", ("qw", "qx", "qy", "qz"), ("x", "y", "width", "height")
 _F, _I, _S = pa.float64(), pa.int64(), pa.string()

@@ -38,9 +38,9 @@ from sim.dataset.layout import (
 )
 from sim.dataset.records import KEYPOINTS, FrameLabels, Matches, ViewLabels
 from sim.dataset.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA, object_rows, truth_rows
+from sim.scene.world import CAMERAS
 from sim.sequence import Shot, Simulation
 from sim.truth import Truth
-from sim.world import CAMERAS
 
 THREADS = 2  # encode beside the renderer
 WAITING = 24  # files that wait to be encoded; bounds the memory

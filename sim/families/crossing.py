@@ -10,13 +10,11 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, project, to_camera
-from sim.contact import Capsules, capsule_gap, hand_capsules
-from sim.kinematics import OUTWARD, norm
-from sim.motion import Cue, Plan
-from sim.planner import HandPlanner, raised
-from sim.rig import stereo_rig
-from sim.stage import STILL_S, Gesture, Stage, no_objects
-from sim.strokes import (
+from sim.contact.contact import Capsules, capsule_gap, hand_capsules
+from sim.motion.motion import Cue, Plan
+from sim.motion.planner import HandPlanner, raised
+from sim.motion.stage import STILL_S, Gesture, Stage, no_objects
+from sim.motion.strokes import (
     Glide,
     HandState,
     Stroke,
@@ -25,6 +23,9 @@ from sim.strokes import (
     minimum_jerk_rate,
     minimum_jerk_second,
 )
+from sim.person.kinematics import OUTWARD
+from sim.scene.rig import stereo_rig
+from sim.vectors import norm
 
 # The nearer arm reaches in from outside, the farther one over it: so the forearms pass each other.
 _RISE_M = 0.045  # of the farther hand over the nearer one

@@ -9,22 +9,18 @@ from dataclasses import replace
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from sim.contact import height_above_table
-from sim.curves import sweep
+from sim.contact.contact import height_above_table
 from sim.families.on_head import Laying, laid_on_head
-from sim.families.things import CAN
-from sim.kinematics import (
-    OUTWARD,
-    about_y,
-    about_z,
-    hand_rotation,
-)
-from sim.motion import Cue, Hold, Plan, object_at_rest, posture
-from sim.planner import HandPlanner, curled, grasp
+from sim.families.sizes import CAN
+from sim.motion.curves import sweep
+from sim.motion.motion import Cue, Hold, Plan, object_at_rest, posture
+from sim.motion.planner import HandPlanner, curled, grasp
+from sim.motion.stage import STILL_S, Gesture, Stage, Values, no_objects, number, side_of
+from sim.motion.strokes import HandState, between, quaternion_of
+from sim.person.kinematics import OUTWARD, hand_rotation
 from sim.pose import SIDES, Transform
 from sim.specs import ObjectSpec
-from sim.stage import STILL_S, Gesture, Stage, Values, no_objects, number, side_of
-from sim.strokes import HandState, between, quaternion_of
+from sim.vectors import about_y, about_z
 
 
 def _drink_objects(values: Values) -> tuple[ObjectSpec, ...]:

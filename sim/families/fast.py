@@ -9,17 +9,17 @@ from dataclasses import replace
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from sim.kinematics import OUTWARD
-from sim.motion import Cue, Plan
-from sim.planner import HandPlanner, raised
-from sim.stage import STILL_S, Gesture, Stage, no_objects
-from sim.strokes import (
+from sim.motion.motion import Cue, Plan
+from sim.motion.planner import HandPlanner, raised
+from sim.motion.stage import STILL_S, Gesture, Stage, no_objects
+from sim.motion.strokes import (
     Glide,
     HandState,
     minimum_jerk,
     minimum_jerk_rate,
     minimum_jerk_second,
 )
+from sim.person.kinematics import OUTWARD
 
 RUNGS = 9
 SIDES = ("right", "left")

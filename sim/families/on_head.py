@@ -9,12 +9,13 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
-from sim.contact import arm_shape, exempt, hand_capsules
-from sim.kinematics import OUTWARD, about, about_y, cross, norm, shoulders, solve_arm
-from sim.motion import posture
-from sim.solids import person_solids
-from sim.stage import Stage
-from sim.strokes import HandState, quaternion_of
+from sim.contact.contact import arm_shape, exempt, hand_capsules
+from sim.contact.solids import person_solids
+from sim.motion.motion import posture
+from sim.motion.stage import Stage
+from sim.motion.strokes import HandState, quaternion_of
+from sim.person.kinematics import OUTWARD, shoulders, solve_arm
+from sim.vectors import about, about_y, cross, norm
 
 _FREE_M = 0.0005  # of air between a hand that touches and the head: nothing to project away
 

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from pjpdaf.errors import BenchError
-from sim.clip_files import load_clip
-from sim.clips import Clip, mirrored
-from sim.motion import Carriage, Cue, Plan
-from sim.planner import LEAST_STROKE_S
-from sim.retarget import Retargeted, retarget
-from sim.stage import STILL_S, Gesture, Stage, no_objects
-from sim.strokes import HandPath, HandState, Stroke, minimum_jerk, stroke_duration
+from sim.clips.clip_files import load_clip
+from sim.clips.clips import Clip, mirrored
+from sim.clips.retarget import Retargeted, retarget
+from sim.motion.motion import Carriage, Cue, Plan
+from sim.motion.planner import LEAST_STROKE_S
+from sim.motion.stage import STILL_S, Gesture, Stage, no_objects
+from sim.motion.strokes import HandPath, HandState, Stroke, minimum_jerk, stroke_duration
 
 _BOW_M = np.array([0.0, 0.0, 0.02])  # of the strokes that lead in
 _RAMP_S = 0.4  # in which the clip's time gets going, and comes to rest

@@ -7,15 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from sim.contact import hand_capsules, height_above_table
+from sim.contact.contact import hand_capsules, height_above_table
 from sim.families.on_head import Laying, laid_on_head
-from sim.kinematics import OUTWARD, cross, hand_rotation, norm
-from sim.motion import Cue, Hold, Plan, object_at_rest
-from sim.planner import HandPlanner, curled, grasp, raised
+from sim.motion.motion import Cue, Hold, Plan, object_at_rest
+from sim.motion.planner import HandPlanner, curled, grasp, raised
+from sim.motion.stage import STILL_S, Gesture, Stage, Values, no_objects, number, side_of
+from sim.motion.strokes import HandState, quaternion_of
+from sim.person.kinematics import OUTWARD, hand_rotation
 from sim.pose import Transform
 from sim.specs import ObjectSpec
-from sim.stage import STILL_S, Gesture, Stage, Values, no_objects, number, side_of
-from sim.strokes import HandState, quaternion_of
+from sim.vectors import cross, norm
 
 SIDES = ("right", "left")
 

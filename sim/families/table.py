@@ -8,17 +8,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim.contact import height_above_table
-from sim.curves import Curve, ellipse, figure_eight, rounds
-from sim.families.things import BOX, CAN
-from sim.kinematics import OUTWARD, hand_rotation
-from sim.lognormal import talk_gesture
-from sim.motion import Carriage, Cue, Hold, Plan, object_at_rest
-from sim.planner import HandPlanner, curled, grasp, raised
+from sim.contact.contact import height_above_table
+from sim.families.sizes import BOX, CAN
+from sim.motion.curves import Curve, ellipse, figure_eight, rounds
+from sim.motion.lognormal import talk_gesture
+from sim.motion.motion import Carriage, Cue, Hold, Plan, object_at_rest
+from sim.motion.planner import HandPlanner, curled, grasp, raised
+from sim.motion.stage import STILL_S, Gesture, Stage, Values, no_objects, number, side_of
+from sim.motion.strokes import HandState, minimum_jerk, quaternion_of
+from sim.person.kinematics import OUTWARD, hand_rotation
 from sim.pose import SIDES, Transform
 from sim.specs import ObjectSpec
-from sim.stage import STILL_S, Gesture, Stage, Values, no_objects, number, side_of
-from sim.strokes import HandState, minimum_jerk, quaternion_of
 
 
 def _calm_objects(values: Values) -> tuple[ObjectSpec, ...]:
@@ -396,7 +396,7 @@ def _wipe(stage: Stage, side: int, hand: HandPlanner) -> tuple[Hold, list[Cue]]:
 
 @dataclass(frozen=True, eq=False)
 class _Leans:
-    """A `sim.motion.CarriageMotion`: from one carriage to the next, each move minimum-jerk.
+    """A `sim.motion.motion.CarriageMotion`: from one carriage to the next, each move minimum-jerk.
 
     moves: (start_s, duration_s, forward_rad, sideways_rad, turn_rad), in order of time.
     """

@@ -9,14 +9,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from sim.contact import Capsules, capsule_gap, hand_capsules
-from sim.kinematics import OUTWARD, about_z, hand_rotation
-from sim.motion import Cue, HandMotion, Hold, Plan, object_at_rest
-from sim.planner import HandPlanner, curled, grasp, raised
+from sim.contact.contact import Capsules, capsule_gap, hand_capsules
+from sim.motion.motion import Cue, HandMotion, Hold, Plan, object_at_rest
+from sim.motion.planner import HandPlanner, curled, grasp, raised
+from sim.motion.stage import STILL_S, Gesture, Stage, Values, no_objects, number, side_of
+from sim.motion.strokes import HandPath, HandState, between, quaternion_of
+from sim.person.kinematics import OUTWARD, hand_rotation
 from sim.pose import Transform
 from sim.specs import RGB, ObjectSpec
-from sim.stage import STILL_S, Gesture, Stage, Values, no_objects, number, side_of
-from sim.strokes import HandPath, HandState, between, quaternion_of
+from sim.vectors import about_z
 
 _SIDES = ("right", "left")
 _RISING_M = np.array([0.0, 0.0, 0.02])

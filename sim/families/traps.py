@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from sim.contact import capsule_gap, hand_capsules
+from sim.contact.contact import capsule_gap, hand_capsules
 from sim.families.crossing import (
     APPROACH,
     Approach,
@@ -20,12 +20,12 @@ from sim.families.crossing import (
     merged_shares,
     share_time,
 )
-from sim.kinematics import OUTWARD
-from sim.motion import Cue, Plan
-from sim.planner import HandPlanner, raised
+from sim.motion.motion import Cue, Plan
+from sim.motion.planner import HandPlanner, raised
+from sim.motion.stage import STILL_S, Gesture, Stage, Values, no_objects, number
+from sim.motion.strokes import Stroke
+from sim.person.kinematics import OUTWARD
 from sim.specs import ObjectSpec
-from sim.stage import STILL_S, Gesture, Stage, Values, no_objects, number
-from sim.strokes import Stroke
 
 MOST_MEETINGS = 10
 _SCREEN_RGB = (0.16, 0.25, 0.24)

@@ -12,14 +12,15 @@ from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, distort_points, project, to_camera
 from pjpdaf.errors import BenchError
 from sim.anatomy import Anatomy
-from sim.contact import Capsules, hand_capsules
-from sim.kinematics import OUTWARD, norm, shoulders
-from sim.motion import Carriage, Cue, Plan, object_at_rest, posture
-from sim.planner import HandPlanner, raised
-from sim.rig import stereo_rig
+from sim.contact.contact import Capsules, hand_capsules
+from sim.motion.motion import Carriage, Cue, Plan, object_at_rest, posture
+from sim.motion.planner import HandPlanner, raised
+from sim.motion.stage import STILL_S, Gesture, Stage, Values, no_objects, number, side_of
+from sim.motion.strokes import HandState, minimum_jerk
+from sim.person.kinematics import OUTWARD, shoulders
+from sim.scene.rig import stereo_rig
 from sim.specs import ObjectSpec, RoomSpec
-from sim.stage import STILL_S, Gesture, Stage, Values, no_objects, number, side_of
-from sim.strokes import HandState, minimum_jerk
+from sim.vectors import norm
 
 VIEWS = ("left", "right")
 _EDGE_ON_RAD = math.pi / 2  # thumb up
@@ -37,7 +38,7 @@ class Lean:
     """The torso leans, stays so, and comes back.
 
     start_s, there_s, leave_s, back_s: when it begins, is there, begins to come back, is back. The
-    angles are those of `sim.motion.Carriage`.
+    angles are those of `sim.motion.motion.Carriage`.
     """
 
     start_s: float

@@ -7,8 +7,8 @@ import time
 
 import pytest
 
-from scenarios.catalogue import load_scenario
-from scenarios.concrete import perform
+from scenarios.spec.draw import perform
+from scenarios.spec.names import load_scenario
 from sim.dataset.labeller import Labeller
 from sim.dataset.writer import write_sequence
 from sim.sequence import Simulation

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from pjpdaf.camera import Camera
-from pjpdaf.detector import SkinDetector
+from pjpdaf.detector.detector import SkinDetector
 from pjpdaf.frames import StereoFrame
-from pjpdaf.parameters import PRESETS
+from pjpdaf.presets.parameters import PRESETS
 
 WIDTH, HEIGHT = 640, 480
 K = np.array([[540.0, 0, 319.5], [0, 540.0, 239.5], [0, 0, 1]])

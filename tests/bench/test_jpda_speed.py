@@ -28,9 +28,9 @@ from stonesoup.updater.kalman import KalmanUpdater
 from strategies import DT_S, detections, rig
 
 from pjpdaf.camera import project
-from pjpdaf.jpda import association_probabilities
-from pjpdaf.parameters import PRESETS
-from pjpdaf.tracker import PJPDAF
+from pjpdaf.presets.parameters import PRESETS
+from pjpdaf.tracker.filter import PJPDAF
+from pjpdaf.tracker.jpda import association_probabilities
 
 CAMERAS = rig().cameras
 NEAR_W = np.array([[0.1, -0.012, 0.8], [0.1, 0.0, 0.812], [0.1, 0.012, 0.8]])  # gates overlap

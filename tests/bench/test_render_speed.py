@@ -7,11 +7,11 @@ import time
 
 import pytest
 
-from sim.render import StereoRenderer
-from sim.rest import rest_pose
-from sim.sensor import expose
+from sim.camera.render import StereoRenderer
+from sim.camera.sensor import expose
+from sim.person.rest import rest_pose
+from sim.scene.world import build
 from sim.specs import RigSpec, SceneSpec, SensorSpec
-from sim.world import build
 
 SCENE = SceneSpec(rig=RigSpec(tilt_rad=0.28))
 PARTS = {

@@ -9,9 +9,9 @@ from dataclasses import replace
 
 import pytest
 
-from sim.rest import rest_pose
+from sim.camera.sensor import expose, mean_light
+from sim.person.rest import rest_pose
 from sim.script import Performance
-from sim.sensor import expose, mean_light
 from sim.sequence import Simulation
 from sim.specs import ClockSpec, RigSpec, SceneSpec, SensorSpec
 

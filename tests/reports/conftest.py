@@ -9,7 +9,7 @@ import pytest
 
 from pjpdaf.camera import Camera, project
 from pjpdaf.interfaces import Detections, Estimates
-from reports.records import Episode, FrameOutcome, Picture
+from reports.score.records import Episode, FrameOutcome, Picture
 from sim.truth import Truth, ViewTruth
 
 LEFT_HANDED_TURN = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]])

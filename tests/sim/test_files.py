@@ -12,9 +12,9 @@ import pytest
 
 from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.interfaces import Estimates
-from reports.film import Film
-from reports.tracks import TrackWriter
-from scenarios.folder import written_whole
+from reports.footage.tracks import TrackWriter
+from reports.pictures.film import Film
+from scenarios.console.folder import written_whole
 from sim.files import disk_faults, write_fault, written_whole_file
 
 FULL = Path("/dev/full")

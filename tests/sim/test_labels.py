@@ -5,6 +5,7 @@ import pytest
 
 from pjpdaf.camera import project, to_camera
 from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND
+from sim.camera.render import StereoRenderer, ViewRender
 from sim.labels import (
     back_project,
     centres,
@@ -14,11 +15,10 @@ from sim.labels import (
     velocities,
     view_truth,
 )
-from sim.render import StereoRenderer, ViewRender
-from sim.rest import rest_pose
-from sim.rig import stereo_rig
+from sim.person.rest import rest_pose
+from sim.scene.rig import stereo_rig
+from sim.scene.world import build
 from sim.specs import RigSpec, SceneSpec
-from sim.world import build
 
 SCENE = SceneSpec(rig=RigSpec(tilt_rad=0.28))
 

@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from pjpdaf.camera import undistort_points
+from sim.camera.render import StereoRenderer
 from sim.gl import load_mujoco
 from sim.lens import check, finer, ideal_pixels, lens_of
-from sim.render import StereoRenderer
-from sim.rig import stereo_rig
+from sim.scene.rig import stereo_rig
+from sim.scene.world import compiled
 from sim.specs import RigSpec
-from sim.world import compiled
 
 DEPTH_M = 1.3
 LENSES = {

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from pjpdaf.camera import project, to_camera, triangulate
-from sim.colour import GAMMA, balance_rgb, light_rgb
-from sim.exposure import MOST_SUBFRAMES, SUBFRAME_PX, subframes
-from sim.rest import rest_pose
+from sim.camera.colour import GAMMA, balance_rgb, light_rgb
+from sim.camera.exposure import MOST_SUBFRAMES, SUBFRAME_PX, subframes
+from sim.person.rest import rest_pose
 from sim.script import Performance
 from sim.sequence import Simulation, background, rig_of, simulate
 from sim.specs import (

@@ -21,7 +21,7 @@ from sim.dataset.check.sight import Places, Sight, corners, inside, mixed
 from sim.dataset.check.told import Told
 from sim.dataset.instances import NOTHING, PERSON, ROOM, TABLE
 from sim.dataset.layout import DEPTH_UNIT_M, TRUTH
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 STILL = (TABLE, ROOM)  # of the same place at both moments of a rig with shutter skew
 STEP = 4  # every STEP-th pixel of every STEP-th row is looked at

@@ -11,7 +11,7 @@ from sim.dataset.check.fault import Claim, Fault
 from sim.dataset.check.told import Told
 from sim.dataset.events import LEAST_HIDDEN
 from sim.dataset.layout import EVENTS
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 Facts = set[tuple[int, str]]  # frame, what happens in it
 

@@ -19,7 +19,7 @@ from sim.dataset.check.files import Tree
 from sim.dataset.check.told import Numbers
 from sim.dataset.layout import picture_name
 from sim.dataset.reader import MAX_JSON_BYTES, read_json
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 COCO, MOT = "annotations", "mot"
 SHARE, METRES, STAMP_S = 1e-6, 1e-6, 1e-9  # to which they are written

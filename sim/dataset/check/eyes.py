@@ -15,7 +15,7 @@ from pjpdaf.arrays import Floats
 from sim.dataset.check.depth import STILL, Crossing
 from sim.dataset.check.fault import Fault
 from sim.dataset.check.frame import Frame
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 Picture = NDArray[np.uint8]
 BLUR_PX = 5

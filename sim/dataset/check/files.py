@@ -12,7 +12,7 @@ from pjpdaf.errors import BenchError
 from sim.dataset.check.fault import MISSING, Fault, fault_of
 from sim.dataset.checksums import read_sums, sha256_of
 from sim.dataset.layout import CHECKSUMS, LABELS, picture_name
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 PICTURES = (*CAMERAS, *(f"background_{camera}" for camera in CAMERAS))
 

@@ -15,7 +15,7 @@ from sim.dataset.check.files import Tree
 from sim.dataset.layout import picture_name
 from sim.dataset.reader import Sequence
 from sim.dataset.records import Matches
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 T = TypeVar("T")
 

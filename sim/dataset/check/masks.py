@@ -19,7 +19,7 @@ from sim.dataset.instances import FIRST_OBJECT, NOTHING
 from sim.dataset.layout import OBJECTS, TRUTH
 from sim.dataset.records import NOT_LABELLED, VISIBLE
 from sim.labels import TOUCH_PX
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 SAME_PX = 1e-6  # of a mean of whole numbers
 SLIVER_PX, SLIVER = 4, 0.002  # of visible pixels that the amodal pass may have missed

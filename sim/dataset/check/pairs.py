@@ -17,7 +17,7 @@ from sim.dataset.check.sight import Places, Sight, corners, inside, mixed
 from sim.dataset.instances import PERSON
 from sim.dataset.layout import DISPARITY_SCALE, FLOW_SCALE
 from sim.dataset.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 STEP = 6
 FEW = 50

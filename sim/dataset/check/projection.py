@@ -11,7 +11,7 @@ from sim.dataset.check.fault import Claim, Fault, gathered
 from sim.dataset.check.told import Told
 from sim.dataset.layout import RIG, TRUTH
 from sim.dataset.records import KEYPOINTS, NOT_LABELLED
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 SAME_PX = 0.01  # pixels are computed in single precision, through the lens too
 HEAD_MPS2 = 3.0  # acceleration of a head

@@ -46,7 +46,7 @@ from sim.dataset.check.sight import Sight
 from sim.dataset.check.told import Numbers, Told, numbers_of, shape_claims, time_claims, told_of
 from sim.dataset.layout import EVENTS, OBJECTS, RECIPE, RIG, TRUTH, picture_name
 from sim.dataset.reader import Sequence
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 VIEWS = (0, 1)
 NEEDED = (EVENTS, OBJECTS, RECIPE, RIG, TRUTH)

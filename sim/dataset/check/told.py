@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from pjpdaf.arrays import Floats
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
-from sim.clock import MOST_OF_PERIOD
+from sim.camera.clock import MOST_OF_PERIOD
 from sim.dataset.check.fault import Claim
 from sim.dataset.export.rows import Row, frames_of
 from sim.dataset.layout import OBJECTS, RIG, TRUTH
 from sim.dataset.reader import Sequence
 from sim.dataset.records import KEYPOINTS
+from sim.scene.world import CAMERAS
 from sim.truth import Truth
-from sim.world import CAMERAS
 
 FAR_M = 0.35  # from a target's centre to its visible surface, at most
 _CENTRES = [KEYPOINTS.index((t, "palm_centre" if t else "head_centre")) for t in range(3)]

@@ -26,7 +26,7 @@ from sim.dataset.export.rows import Frame, Row, frames_of, object_kinds
 from sim.dataset.layout import RIG, SCHEMA_VERSION, picture_name
 from sim.dataset.reader import Dataset, Sequence
 from sim.dataset.records import HAND_POINTS, HEAD_POINTS, KEYPOINTS, NOT_LABELLED
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 FOLDER = "annotations"
 # Their numbers are in files of others: a new kind comes at the end.

@@ -11,7 +11,7 @@ from pathlib import Path
 from sim.dataset.export.folder import files_of, replaced_folder, sequences_of
 from sim.dataset.export.rows import Frame, box_of, frames_of
 from sim.dataset.reader import Dataset, Sequence
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 FOLDER = "mot"
 CLASS = 1  # "pedestrian": the only one that MOTChallenge's readers score

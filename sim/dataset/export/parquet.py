@@ -22,7 +22,7 @@ from sim.dataset.export.folder import file_bytes, files_of, replaced_folder, seq
 from sim.dataset.export.rows import Frame, Row, box_of, frames_of
 from sim.dataset.layout import MANIFEST, picture_name
 from sim.dataset.reader import Dataset, Sequence
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 FOLDER = "parquet"
 FILE_BYTES = 512 << 20

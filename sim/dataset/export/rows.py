@@ -16,7 +16,7 @@ from sim.dataset.layout import OBJECTS, RIG, TRUTH
 from sim.dataset.reader import Sequence, read_table
 from sim.dataset.records import KEYPOINTS, NOT_LABELLED, OCCLUDED, VISIBLE
 from sim.dataset.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 Row = Mapping[str, Any]
 # What has no value where a target is not seen.

@@ -18,7 +18,7 @@ from sim.dataset.export.rows import Frame, Row, frames_of
 from sim.dataset.layout import LABELS, picture_name
 from sim.dataset.reader import Dataset, Sequence
 from sim.dataset.writer import camera_record
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 FOLDER = "webdataset"
 SHARD_SAMPLES = 1000

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pjpdaf.targets import TARGETS
+from sim.camera.render import StereoRenderer
 from sim.dataset.instances import (
     FIRST_OBJECT,
     MOST,
@@ -15,12 +16,11 @@ from sim.dataset.instances import (
     TABLE,
     instances_of,
 )
-from sim.objects import KINDS
+from sim.person.rest import rest_pose
 from sim.pose import Transform
-from sim.render import StereoRenderer
-from sim.rest import rest_pose
+from sim.scene.objects import KINDS
+from sim.scene.world import build
 from sim.specs import Appearance, ObjectSpec, RigSpec, RoomSpec, SceneSpec
-from sim.world import build
 
 # Names that could be taken for other things.
 THINGS = tuple(

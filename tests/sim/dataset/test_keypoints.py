@@ -8,18 +8,18 @@ from scipy.spatial.transform import Rotation
 
 from pjpdaf.camera import distort_points, project, to_camera
 from sim.anatomy import Anatomy
-from sim.body import SKIN
+from sim.camera.rays import cast
+from sim.camera.render import StereoRenderer
 from sim.dataset.instances import instances_of
 from sim.dataset.keypoints import MARGIN, Keypoints
 from sim.dataset.records import KEYPOINTS, NOT_LABELLED, OCCLUDED, VISIBLE
-from sim.hand import FINGERS, fingers
+from sim.person.body import SKIN
+from sim.person.hand import FINGERS, fingers
+from sim.person.rest import rest_pose
 from sim.pose import SIDES, Transform
 from sim.randomness import generator
-from sim.rays import cast
-from sim.render import StereoRenderer
-from sim.rest import rest_pose
+from sim.scene.world import build
 from sim.specs import Appearance, RigSpec, SceneSpec
-from sim.world import build
 
 ANATOMY = Anatomy.of(1.81, hand_scale=1.06, head_scale=0.96)
 SCENE = SceneSpec(

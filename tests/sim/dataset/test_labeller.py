@@ -8,16 +8,16 @@ from scipy.spatial.transform import Rotation
 
 from pjpdaf.camera import project
 from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND
-from scenarios.catalogue import load_scenario
-from scenarios.concrete import perform
+from scenarios.spec.draw import perform
+from scenarios.spec.names import load_scenario
+from sim.camera.rays import cast
 from sim.dataset.instances import FIRST_OBJECT, PERSON
 from sim.dataset.labeller import Labeller
 from sim.dataset.records import KEYPOINTS, NO_SURFACE, NOT_LABELLED, OCCLUDED, SEEN, VISIBLE
 from sim.dataset.stereo import shown
 from sim.labels import centres, velocities
+from sim.person.rest import rest_pose
 from sim.pose import Transform
-from sim.rays import cast
-from sim.rest import rest_pose
 from sim.script import Performance
 from sim.sequence import Simulation
 from sim.specs import ClockSpec, ObjectSpec, RigSpec, RoomSpec, SceneSpec, SensorSpec

@@ -6,16 +6,16 @@ import shutil
 import cv2
 import numpy as np
 import pytest
+from small_dataset import SEQUENCES
 
 from pjpdaf.errors import BenchError
-from scenarios.catalogue import load_scenario
-from scenarios.concrete import perform
+from scenarios.spec.draw import perform
+from scenarios.spec.names import load_scenario
 from sim.dataset import encode
 from sim.dataset.raytruth import MOST_MEDIAN_M, MOST_WRONG, lines_of, ray_check, together
 from sim.dataset.reader import Sequence, open_dataset
 from sim.dataset.writer import write_sequence
 from sim.sequence import Simulation
-from tests.sim.dataset.conftest import SEQUENCES
 
 
 @pytest.fixture(scope="module")

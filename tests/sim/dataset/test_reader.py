@@ -14,15 +14,15 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from small_dataset import SEQUENCES
 
 import sim.dataset
 from pjpdaf.errors import BenchError
-from scenarios.catalogue import load_scenario
-from scenarios.concrete import perform
+from scenarios.spec.draw import perform
+from scenarios.spec.names import load_scenario
 from sim.dataset.layout import LABELS
 from sim.dataset.tables import TRUTH_SCHEMA
 from sim.sequence import Simulation
-from tests.sim.dataset.conftest import SEQUENCES
 
 FIRST = "seq_000000"
 

@@ -16,7 +16,7 @@ from sim.dataset.reader import open_dataset
 from sim.dataset.records import KEYPOINTS
 from sim.dataset.statistics import BINS, HANDS, counted, skin_ita_deg, statistics_of
 from sim.dataset.tables import TRUTH_SCHEMA
-from sim.world import CAMERAS
+from sim.scene.world import CAMERAS
 
 
 @pytest.fixture(scope="module")

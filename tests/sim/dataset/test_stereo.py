@@ -8,17 +8,17 @@ import pytest
 
 from pjpdaf.calibration import rectify
 from pjpdaf.camera import Camera, StereoRig, distort_points, project, to_camera
+from sim.camera.rays import cast
+from sim.camera.render import StereoRenderer
 from sim.dataset.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN
 from sim.dataset.stereo import PicturePair, RectifiedPair, shown
 from sim.labels import back_project
 from sim.lens import lens_of
+from sim.person.rest import rest_pose
 from sim.randomness import generator
-from sim.rays import cast
-from sim.render import StereoRenderer
-from sim.rest import rest_pose
-from sim.rig import stereo_rig
+from sim.scene.rig import stereo_rig
+from sim.scene.world import build
 from sim.specs import Appearance, ObjectSpec, RigSpec, RoomSpec, SceneSpec
-from sim.world import build
 
 CAN = ObjectSpec("can", "can", (0.066, 0.066, 0.115), (0.72, 0.08, 0.10), (0.5, -0.3))
 PARALLEL = RigSpec(tilt_rad=0.28, principal_offset_px=(6.3, -4.2))

@@ -16,9 +16,9 @@ import pytest
 
 from pjpdaf.calibration import write_rig
 from pjpdaf.errors import BenchError
-from scenarios.catalogue import load_scenario
-from scenarios.concrete import perform
-from scenarios.recipe import sized
+from scenarios.play.recipe import sized
+from scenarios.spec.draw import perform
+from scenarios.spec.names import load_scenario
 from sim.dataset import encode
 from sim.dataset.check.exports import run_lengths
 from sim.dataset.check.fault import Fault

@@ -1,0 +1,218 @@
+"""Background: each pixel one Gaussian over (H, S, V), thesis 3.1.1."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from pjpdaf.arrays import readonly
+from pjpdaf.detector.skin import HUE_STEP_DEG, to_hsv
+from pjpdaf.errors import BenchError
+
+UNIFORM_SD_DEG = 360.0 / 12**0.5  # hue that is anything at all; a grey pixel's
+FORMAT = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Background:
+    """Mean and standard deviation of each pixel of a person-free scene.
+
+    mean, sd: float32 (h, w, 3): hue [deg] (circular), saturation and value in 0..1, as observed,
+    without floors; frames: how many pictures they come from.
+    """
+
+    mean: np.ndarray
+    sd: np.ndarray
+    frames: int
+
+    def __post_init__(self) -> None:
+        for name in ("mean", "sd"):
+            value = readonly(getattr(self, name), (None, None, 3), f"Background.{name}", np.float32)
+            object.__setattr__(self, name, value)
+        if self.mean.shape != self.sd.shape:
+            raise ValueError(
+                f"Background.sd must have the shape of mean {self.mean.shape}, got {self.sd.shape}"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class BackgroundTest:
+    """A background made ready for the test of a pixel.
+
+    mean (h*w, 3) float32 in the units of `to_hsv`; precision (h*w, 3) float32: 1 / variance of a
+    new observation in these units; threshold: squared Mahalanobis distance of the foreground;
+    shadow_min: smallest share of the background's value that a shadow leaves, 1 = no shadows.
+    """
+
+    mean: np.ndarray
+    precision: np.ndarray
+    threshold: float
+    shadow_min: float
+
+
+class BackgroundSums:
+    """What learning keeps of the pictures seen so far: sums, so that memory stays flat."""
+
+    def __init__(self) -> None:
+        self.frames = 0
+        self._size: tuple[int, ...] = ()
+        angles = np.arange(256) * (2 * np.pi / 256)
+        self._cosines, self._sines = np.cos(angles), np.sin(angles)
+
+    def add(self, picture: np.ndarray) -> None:
+        """One more person-free picture, uint8 BGR (h, w, 3). BenchError if its size is another."""
+        if self.frames == 0:
+            self._size = picture.shape
+            self._c, self._s = np.zeros(picture.shape[:2]), np.zeros(picture.shape[:2])
+            self._first = np.zeros((*picture.shape[:2], 2), np.int64)  # sums of S and V
+            self._second = np.zeros((*picture.shape[:2], 2), np.int64)  # sums of their squares
+        elif picture.shape != self._size:
+            raise BenchError(
+                f"Background pictures must have one size, got {self._size[1]}x{self._size[0]} "
+                f"and {picture.shape[1]}x{picture.shape[0]}."
+            )
+        hsv = to_hsv(picture)
+        self._c += self._cosines[hsv[..., 0]]
+        self._s += self._sines[hsv[..., 0]]
+        sv = hsv[..., 1:].astype(np.int64)
+        self._first += sv
+        self._second += sv * sv
+        self.frames += 1
+
+    def result(self, frames_min: int) -> Background:
+        """The background, or BenchError where fewer than frames_min pictures came."""
+        n = self.frames
+        if n < max(frames_min, 2):
+            raise BenchError(
+                f"The background needs at least {max(frames_min, 2)} person-free frames, got {n}: "
+                "record more, or lower background_learn_min (10 frames give 2.8 % false "
+                "foreground, 3 give 14.5 %)."
+            )
+        mean, sd = np.empty(self._size), np.empty(self._size)
+        R = np.clip(np.hypot(self._c, self._s) / n, 1e-12, 1.0)
+        mean[..., 0] = np.degrees(np.arctan2(self._s, self._c)) % 360.0
+        # n / (n - 1), as for any variance from n values; exact for the small spreads that matter.
+        variance_deg2 = np.degrees(1.0) ** 2 * -2.0 * np.log(R) * n / (n - 1)
+        sd[..., 0] = np.minimum(np.sqrt(variance_deg2), UNIFORM_SD_DEG)
+        mean[..., 1:] = self._first / n / 255.0
+        spread = np.maximum(self._second - self._first * self._first / n, 0.0) / (n - 1)
+        sd[..., 1:] = np.sqrt(spread) / 255.0
+        return Background(mean, sd, n)
+
+
+def learn_background(pictures: Iterable[np.ndarray], frames_min: int = 2) -> Background:
+    """Background from person-free pictures uint8 BGR (h, w, 3), read one at a time.
+
+    Hue: circular mean and standard deviation sqrt(-2 ln R), capped at that of a uniform hue.
+
+    Raises BenchError where there are fewer than frames_min pictures or their sizes differ.
+    """
+    sums = BackgroundSums()
+    for picture in pictures:
+        sums.add(picture)
+    return sums.result(frames_min)
+
+
+def prepare(
+    background: Background,
+    threshold: float,
+    hue_sd_floor_deg: float,
+    sat_sd_floor: float,
+    val_sd_floor: float,
+    shadow_min: float = 1.0,
+) -> BackgroundTest:
+    """The test of a background, with floors under its standard deviations.
+
+    The variance of a new observation, given mean and variance from n, is that of Student's t:
+    s^2 (1 + 1/n) (n - 1) / (n - 3); for n = 10 that is 1.41 s^2. Floors come after.
+    """
+    n = background.frames
+    inflation = (1 + 1 / n) * (n - 1) / max(n - 3, 1)
+    floors = np.array([hue_sd_floor_deg, sat_sd_floor, val_sd_floor], np.float32)
+    steps = np.array([HUE_STEP_DEG, 1 / 255, 1 / 255], np.float32)
+    sd = np.maximum(background.sd * np.float32(inflation**0.5), floors) / steps
+    return BackgroundTest(
+        readonly((background.mean / steps).reshape(-1, 3), (None, 3), "mean", np.float32),
+        readonly((1 / (sd * sd)).reshape(-1, 3), (None, 3), "precision", np.float32),
+        threshold,
+        shadow_min,
+    )
+
+
+def is_foreground(test: BackgroundTest, hsv: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Which of the pixels `at` (n,), flat indices into hsv (h, w, 3), are foreground: bool (n,).
+
+    Foreground is d^2 = sum (x - mean)^2 / sd^2 > threshold, hue differences taken on the circle.
+    Where a pixel has only become darker (by shadow_min at most), value does not count, and the
+    noise of hue and saturation, which goes with 1 / value, is taken at the darker value.
+    """
+    delta = hsv.reshape(-1, 3).take(at, axis=0).astype(np.float32)
+    mean = test.mean.take(at, axis=0)
+    delta -= mean
+    hue = np.abs(delta[:, 0])
+    delta[:, 0] = np.minimum(hue, 256.0 - hue)
+    loss = delta[:, 2].copy()
+    delta *= delta
+    delta *= test.precision.take(at, axis=0)
+    colour = delta[:, 0] + delta[:, 1]
+    far: np.ndarray = (colour + delta[:, 2]) > test.threshold
+    if test.shadow_min < 1.0:
+        value = mean[:, 2]
+        shade = far & (loss < 0) & (loss >= (test.shadow_min - 1.0) * value)
+        kept = 1.0 + loss / np.maximum(value, 1.0)
+        far &= ~shade | (colour * kept * kept > test.threshold)
+    return far
+
+
+def foreground_mask(test: BackgroundTest, picture: np.ndarray) -> np.ndarray:
+    """Foreground of a whole picture uint8 BGR (h, w, 3): uint8 (h, w), 255 = foreground."""
+    hsv = to_hsv(picture)
+    size = hsv.shape[0] * hsv.shape[1]
+    far = is_foreground(test, hsv, np.arange(size))
+    mask: np.ndarray = np.where(far, np.uint8(255), np.uint8(0)).reshape(hsv.shape[:2])
+    return mask
+
+
+def save_backgrounds(path: Path, backgrounds: tuple[Background, ...]) -> None:
+    """Backgrounds of all views to one .npz."""
+    arrays: dict[str, np.ndarray] = {
+        "format": np.array(FORMAT),
+        "views": np.array(len(backgrounds)),
+    }
+    for view, background in enumerate(backgrounds):
+        arrays[f"mean_{view}"] = background.mean
+        arrays[f"sd_{view}"] = background.sd
+        arrays[f"frames_{view}"] = np.array(background.frames)
+    with Path(path).open("wb") as file:  # a name without .npz stays as given
+        np.savez_compressed(file, allow_pickle=False, **arrays)
+
+
+def load_backgrounds(path: Path) -> tuple[Background, ...]:
+    """Backgrounds as `save_backgrounds` wrote them.
+
+    Raises BenchError where the file is missing, is not one, or lacks an array.
+    """
+    path = Path(path)
+    try:
+        with np.load(path, allow_pickle=False) as arrays:
+            if int(arrays["format"]) != FORMAT:
+                raise BenchError(
+                    f"{path}: background format {int(arrays['format'])}, this version reads "
+                    f"{FORMAT}: learn the background again."
+                )
+            return tuple(
+                Background(
+                    arrays[f"mean_{view}"], arrays[f"sd_{view}"], int(arrays[f"frames_{view}"])
+                )
+                for view in range(int(arrays["views"]))
+            )
+    except FileNotFoundError:
+        raise BenchError(f"{path}: no such background file.") from None
+    except KeyError as fault:
+        raise BenchError(f"{path}: not a saved background: {fault.args[0]}") from None
+    except (OSError, ValueError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as fault:
+        raise BenchError(f"{path}: not a saved background: {fault}") from None

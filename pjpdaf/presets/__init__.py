@@ -1,0 +1,1 @@
+"""Named sets of parameters of detector and tracker: a file each."""

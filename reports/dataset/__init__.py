@@ -1,0 +1,1 @@
+"""Presentation of a data set: card, page, sheet, recording for a viewer."""

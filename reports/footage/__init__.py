@@ -1,0 +1,1 @@
+"""Results on real footage: track files and their page."""

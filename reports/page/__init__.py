@@ -1,0 +1,1 @@
+"""The report page of saved runs: figures, player, templates."""

@@ -1,0 +1,1 @@
+"""Pictures of frames: overlays of estimates and truth, sheets, stills, films."""

@@ -1,0 +1,1 @@
+"""A saved run: its rows, its files, and where it comes from."""

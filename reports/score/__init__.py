@@ -1,0 +1,1 @@
+"""Scores of a played episode: errors, events, multi-object tracking metrics."""

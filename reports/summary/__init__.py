@@ -1,0 +1,1 @@
+"""Summaries of a run: by target, by scenario, by group, and the error budget."""

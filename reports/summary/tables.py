@@ -1,0 +1,252 @@
+"""The summary of a run: a row per scenario and target, as records and for the terminal."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from pjpdaf.targets import HEAD, TARGETS
+from reports.run.results import SavedRun
+from reports.score.records import STAGES
+from reports.score.score import quantile
+
+ALL = "all"
+LABELS = {"head": "head", "right_hand": "right hand", "left_hand": "left hand", ALL: "all"}
+
+
+@dataclass(frozen=True)
+class SummaryRow:
+    """One target in one scenario ("all" pools them). Ratios are of ALL frames, waiting ones too.
+
+    median_mm, p90_mm: 3-D error against the centre, err_acc_px: median of Eq. 4.1; a frame without
+    an estimate counts as infinite. within_50, within_100, merged_within_100: shares 0-1, NaN
+    without frames. episodes counts those without a result too, `failed` of them; swapped is None
+    for the head; swapped, captured, lost: episodes in which it happened at least once.
+    """
+
+    scenario: str
+    target: str
+    frames: int
+    covered: int
+    median_mm: float
+    p90_mm: float
+    err_acc_px: float
+    within_50: float
+    within_100: float
+    merged_frames: int
+    merged_within_100: float
+    episodes: int
+    failed: int
+    swapped: int | None
+    captured: int
+    lost: int
+
+
+@dataclass(frozen=True)
+class StageTimes:
+    """Mean wall time per frame and stage [ms], NaN where nothing was timed."""
+
+    scenario: str
+    render_ms: float
+    detect_ms: float
+    track_ms: float
+
+
+@dataclass(frozen=True)
+class Summary:
+    """rows: per scenario head, right, left, all; total: the same over all scenarios."""
+
+    name: str
+    complete: bool
+    rows: tuple[SummaryRow, ...]
+    total: tuple[SummaryRow, ...]
+    times: tuple[StageTimes, ...]
+    total_times: StageTimes
+    failures: tuple[tuple[str, int, str], ...]
+
+    @property
+    def scenarios(self) -> tuple[str, ...]:
+        """Names in order."""
+        return tuple(dict.fromkeys(row.scenario for row in self.rows))
+
+    @property
+    def overall(self) -> SummaryRow:
+        """All targets of all scenarios."""
+        return self.total[-1]
+
+
+def summarise(run: SavedRun) -> Summary:
+    """The summary of a saved run."""
+    scenarios = list(dict.fromkeys(run.episodes["scenario"]))
+    frames = dict(list(run.frames.groupby("scenario", sort=False)))
+    episodes = dict(list(run.episodes.groupby("scenario", sort=False)))
+    rows = [
+        row
+        for name in scenarios
+        for row in _rows(name, frames.get(name, run.frames.iloc[:0]), episodes[name])
+    ]
+    timing: list[dict[str, Any]] = list(run.meta["timing"])
+    failed = run.episodes[run.episodes["failure"] != ""].drop_duplicates(["scenario", "seed"])
+    return Summary(
+        name=run.name,
+        complete=bool(run.meta["complete"]),
+        rows=tuple(rows),
+        total=tuple(_rows(ALL, run.frames, run.episodes)),
+        times=tuple(_times(n, [t for t in timing if t["scenario"] == n]) for n in scenarios),
+        total_times=_times(ALL, timing),
+        failures=tuple(
+            (str(s), int(seed), str(reason))
+            for s, seed, reason in zip(
+                failed["scenario"], failed["seed"], failed["failure"], strict=True
+            )
+        ),
+    )
+
+
+def verdict(summary: Summary) -> str:
+    """What happened, in one line."""
+    overall = summary.overall
+    if overall.frames == 0:
+        return f"{overall.episodes} episodes, none with a result."
+    many = len(summary.scenarios)
+    parts = [
+        f"{count(overall.episodes, 'episode')} of {count(many, 'scenario')}: "
+        f"{percent(overall.within_100)} of target-frames within 100 mm, "
+        f"median error {number(overall.median_mm)} mm",
+        f"hands swapped in {overall.swapped or 0} of {overall.episodes}",
+        f"a target lost in {overall.lost} of {overall.episodes}",
+    ]
+    if overall.failed:
+        parts.append(f"{overall.failed} without a result")
+    return "; ".join(parts) + "."
+
+
+def rich_table(summary: Summary) -> Table:
+    """The summary for the terminal; names are printed as they are, never as mark-up."""
+    table = Table(
+        title=Text(f"Run {summary.name}"),
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
+    )
+    table.add_column("scenario,\nrender/detect/\ntrack", overflow="fold", min_width=16)
+    table.add_column("target", no_wrap=True)
+    for heading in ("frames", "median\nmm", "90 %\nmm", "Err_acc\npx", "within\n100 mm"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for heading in ("ever\nswapped", "ever\nlost"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    blocks = [(t, [r for r in summary.rows if r.scenario == t.scenario]) for t in summary.times]
+    if len(blocks) != 1:
+        blocks.append((summary.total_times, list(summary.total)))
+    for times, rows in blocks:
+        timed = f"{time_text(times).replace(' ', '')} ms"
+        for row in rows:
+            # Eighty columns: the times have no column of their own.
+            left = {"head": Text(row.scenario), "right_hand": Text(timed, style="dim")}
+            table.add_row(
+                left.get(row.target, ""),
+                LABELS[row.target].removesuffix(" hand"),
+                str(row.frames),
+                number(row.median_mm),
+                number(row.p90_mm),
+                number(row.err_acc_px),
+                percent(row.within_100),
+                "-" if row.swapped is None else f"{row.swapped}/{row.episodes}",
+                f"{row.lost}/{row.episodes}",
+                end_section=row.target == ALL,
+                style="bold" if row.target == ALL else "",
+            )
+    if summary.failures:
+        table.caption = Text(f"{count(len(summary.failures), 'episode')} gave no result")
+    return table
+
+
+def number(value: float) -> str:
+    """Three figures; "∞" for more silence than numbers, "-" for nothing to measure."""
+    if math.isnan(value):
+        return "-"
+    if math.isinf(value):
+        return "∞"
+    return f"{value:.1f}" if abs(value) < 99.95 else f"{value:.0f}"
+
+
+def percent(share: float) -> str:
+    """A share 0-1 as per cent. Never rounded up to 100 or down to 0."""
+    if math.isnan(share):
+        return "-"
+    text = f"{100 * share:.1f}"
+    if text == "100.0" and share < 1:
+        text = "> 99.9"
+    elif text == "0.0" and share > 0:
+        text = "< 0.1"
+    return {"100.0": "100", "0.0": "0"}.get(text, text) + " %"
+
+
+def count(n: int, noun: str) -> str:
+    """'1 episode', '2 episodes'."""
+    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"
+
+
+def time_text(times: StageTimes) -> str:
+    """render / detect / track in ms."""
+    return " / ".join(number(getattr(times, f"{stage}_ms")) for stage in STAGES)
+
+
+def _rows(scenario: str, frames: pd.DataFrame, episodes: pd.DataFrame) -> list[SummaryRow]:
+    rows = []
+    for target in (*TARGETS, ALL):
+        mine = frames if target == ALL else frames[frames["target"] == target]
+        played = episodes if target == ALL else episodes[episodes["target"] == target]
+        merged = mine[mine["merged"].to_numpy(dtype=bool)]
+        errors = mine["error_mm"].to_numpy(dtype=np.float64)
+        rows.append(
+            SummaryRow(
+                scenario=scenario,
+                target=target,
+                frames=len(mine),
+                covered=int(np.isfinite(errors).sum()),
+                median_mm=quantile(errors, 0.5),
+                p90_mm=quantile(errors, 0.9),
+                err_acc_px=quantile(mine["err_acc_px"].to_numpy(dtype=np.float64), 0.5),
+                within_50=_share(int(played["within_50"].sum()), len(mine)),
+                within_100=_share(int(played["within_100"].sum()), len(mine)),
+                merged_frames=len(merged),
+                merged_within_100=_share(int(played["merged_within_100"].sum()), len(merged)),
+                episodes=_episodes(played),
+                failed=_episodes(played[played["failure"] != ""]),
+                swapped=None if target == TARGETS[HEAD] else _ever(played, "ever_swapped"),
+                captured=_ever(played, "ever_captured"),
+                lost=_ever(played, "ever_lost"),
+            )
+        )
+    return rows
+
+
+def _share(part: int, whole: int) -> float:
+    return part / whole if whole else float("nan")
+
+
+def _episodes(rows: pd.DataFrame) -> int:
+    return len(rows[["scenario", "seed"]].drop_duplicates())
+
+
+def _ever(rows: pd.DataFrame, column: str) -> int:
+    """Episodes in which it happened to any of the rows' targets."""
+    return _episodes(rows[rows[column].to_numpy(dtype=bool)])
+
+
+def _times(scenario: str, timing: list[dict[str, Any]]) -> StageTimes:
+    frames = sum(int(t["frames"]) for t in timing)
+    mean = {}
+    for stage in STAGES:
+        spent = sum(float(t["stage_s"].get(stage, 0.0)) for t in timing)
+        mean[stage] = 1e3 * spent / frames if frames and spent > 0 else float("nan")
+    return StageTimes(scenario, mean["render"], mean["detect"], mean["track"])

@@ -1,0 +1,1 @@
+"""The catalogue of scenarios as text, pages, films and measurements."""

@@ -1,0 +1,111 @@
+"""What a scenario is made of, as a table for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from rich.console import Console
+from rich.table import Table
+
+from scenarios.spec.draw import concrete, perform
+from scenarios.spec.names import resolve, scenarios_of
+from scenarios.spec.parameters import Choice, File, Fixed, Normal, Numeric, Parameter
+from scenarios.spec.scenario import Scenario, Suite, digest, suite_digest
+
+
+def describe(name: str, seed: int, overrides: Mapping[str, str] | None = None) -> None:
+    """Print what a scenario or a suite is made of. Raises BenchError.
+
+    Of a scenario its parameters, with the values of one seed and what is set of them.
+    """
+    found = resolve(name)
+    if isinstance(found, Suite):
+        _print(_suite_head(found), _suite_table(found))
+    else:
+        _print(head(found), _scenario_table(found, seed, overrides or {}))
+
+
+def _print(lines: Iterable[str], table: Table) -> None:
+    console = Console()
+    # A pipe has no width: the table is kept whole there.
+    console = console if console.is_terminal else Console(width=120)
+    for line in lines:
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+    console.print(table)
+
+
+def _scenario_table(scenario: Scenario, seed: int, overrides: Mapping[str, str]) -> Table:
+    redrawn = perform(scenario, seed, overrides).redrawn
+    values = concrete(scenario, seed, overrides, redrawn)
+    table = Table(box=None, pad_edge=False)
+    for column in ("parameter", "unit", "range", "nominal", f"seed {seed}", "meaning"):
+        table.add_column(column, overflow="fold")
+    for key, parameter in scenario.parameters.items():
+        value = values[key]
+        shown = value if isinstance(value, str) else f"{float(value):.4g}"
+        table.add_row(key, *_cells(parameter), shown, parameter.meaning)
+    return table
+
+
+def _suite_head(suite: Suite) -> Iterator[str]:
+    members = {scenario.name: scenario for _, scenario in scenarios_of(suite)}
+    yield f"{suite.name} (suite, version {suite.version})"
+    yield suite.summary
+    yield f"{len(suite.scenarios)} entries, {suite.seeds} seeds each unless the entry says"
+    yield f"digest: {suite_digest(suite, members)}"
+    yield ""
+
+
+def _suite_table(suite: Suite) -> Table:
+    table = Table(box=None, pad_edge=False)
+    for column in ("entry", "scenario", "version", "frames", "seeds"):
+        table.add_column(column, no_wrap=True)
+    table.add_column("set", overflow="fold")
+    for entry, scenario in scenarios_of(suite):
+        frames, rates = entry.frames or scenario.frames, scenario.rates
+        length = f"{frames} x {scenario.fps:g}"
+        if rates:
+            length = f"{frames / scenario.fps:g} s x {len(rates)} rates"
+        table.add_row(
+            entry.label or scenario.name,
+            scenario.name,
+            str(scenario.version),
+            length,
+            str(entry.seeds or suite.seeds),
+            ", ".join(f"{key}={value}" for key, value in entry.overrides.items()),
+        )
+    return table
+
+
+def head(scenario: Scenario) -> Iterator[str]:
+    """The lines above the table."""
+    yield f"{scenario.name} (version {scenario.version}, group {scenario.group})"
+    yield scenario.summary
+    if scenario.thesis:
+        yield f"thesis: {scenario.thesis}"
+    length = f"{scenario.frames} frames at {scenario.fps:g} a second"
+    if scenario.rates:
+        rates = ", ".join(f"{rate:g}" for rate in scenario.rates)
+        length = f"{scenario.frames / scenario.fps:g} s at {rates} frames a second each"
+    yield f"{length}, {scenario.background_frames} background frames"
+    yield f"digest: {digest(scenario)}"
+    yield ""
+
+
+def _cells(parameter: Parameter) -> tuple[str, str, str]:
+    """Unit, range, nominal distribution."""
+    if isinstance(parameter, Choice):
+        weights = "" if parameter.weights is None else str(list(parameter.weights))
+        return "", ", ".join(parameter.choices), weights or "equally likely"
+    if isinstance(parameter, File):
+        return "", "a file", parameter.file
+    assert isinstance(parameter, Numeric)
+    low, high = parameter.range
+    nominal = parameter.nominal
+    if isinstance(nominal, Fixed):
+        said = f"{nominal.value:g}"
+    elif isinstance(nominal, Normal):
+        said = f"normal {nominal.mean:g} sd {nominal.sd:g}"
+    else:
+        said = "{} {:g} to {:g}".format(nominal.kind, *parameter.bounds)
+    return parameter.unit, f"{low:g} to {high:g}", said

@@ -1,0 +1,178 @@
+"""The verbs of `dataset`: make, verify, export, show."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pjpdaf.errors import BenchError
+
+app = typer.Typer(help="Labelled stereo data sets.", no_args_is_help=True)
+
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a data set.")]
+Formats = Annotated[
+    str | None,
+    typer.Option(metavar="A,B", help="Of coco, mot, webdataset, parquet; or none [coco,mot]."),
+]
+
+
+@app.command()
+def make(
+    targets: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[SCENARIO|SUITE]...", help="Names, or YAML files."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Folder of the data set; one that is begun goes on."),
+    ] = None,
+    seeds: Annotated[
+        int | None, typer.Option(help="Seeds of each scenario [a suite's own, else 10].")
+    ] = None,
+    first_seed: Annotated[int, typer.Option(help="The first of them.")] = 0,
+    size: Annotated[
+        str | None, typer.Option(metavar="WxH", help="Of the pictures [640x480].")
+    ] = None,
+    labels: Annotated[
+        str,
+        typer.Option(
+            metavar="A,B",
+            help="Of clean, depth, seg, amodal, disparity, correspondence, float; all, none.",
+        ),
+    ] = "depth,seg,amodal,disparity",
+    export: Formats = None,
+    ladder: Annotated[
+        bool,
+        typer.Option(
+            "--ladder",
+            help="Each sequence five times: clean, + noise, + blur, + lens, + skin and light.",
+        ),
+    ] = False,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change a scenario parameter. Repeatable."),
+    ] = None,
+    jobs: Annotated[int | None, typer.Option(help="Worker processes [all cores].")] = None,
+    recipe: Annotated[
+        Path | None,
+        typer.Option(metavar="recipe.json", help="Instead: this one sequence again."),
+    ] = None,
+    frame: Annotated[
+        int | None, typer.Option(help="With --recipe: only this frame, from 0.")
+    ] = None,
+) -> None:
+    """Make a labelled data set; the same command goes on with one that was interrupted.
+
+    The same scenarios, seeds and settings give the same bytes, for any number of workers.
+    """
+    if out is None:
+        raise BenchError("--out is missing: give the folder of the data set")
+    if recipe is not None:
+        if targets:
+            raise BenchError("--recipe makes its own sequence: leave out the scenarios")
+        from scenarios.dataset.make import make_again
+
+        typer.echo(make_again(recipe, out, frame))
+        return
+    if frame is not None:
+        raise BenchError("--frame is for a recipe: give --recipe FILE")
+    from scenarios.dataset.make import MakeRequest
+    from scenarios.dataset.make import make as make_dataset
+    from scenarios.play.recipe import Settings, labels_named, size_named
+
+    wanted = labels_named(labels)
+    make_dataset(
+        MakeRequest(
+            targets=tuple(targets or ("smoke",)),
+            out=out,
+            seeds=seeds,
+            first_seed=first_seed,
+            settings=tuple(settings or ()),
+            labels=Settings(wanted, None if size is None else size_named(size)),
+            exports=formats_named(export, wanted),
+            ladder=ladder,
+            jobs=jobs,
+        )
+    )
+
+
+@app.command()
+def export(
+    folder: Folder,
+    to: Formats = None,
+) -> None:
+    """Write a data set in other formats too, into its own folder; older ones are replaced.
+
+    coco: annotations/, mot: mot/, webdataset: webdataset/ (tar files), parquet: parquet/ (with the
+    pictures in it, as Hugging Face's `datasets` reads it).
+    """
+    from scenarios.dataset.make import export_again, labels_of
+
+    for path in export_again(folder, formats_named(to, labels_of(folder))):
+        typer.echo(path)
+
+
+@app.command()
+def show(
+    folder: Folder,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="New folder for both, or a .png or .html file [NAME-show]."),
+    ] = None,
+    sequence: Annotated[int | None, typer.Option(min=0, help="Only this sequence.")] = None,
+    rerun: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.rrd", help="Instead: a recording for the viewer Rerun (extra viz)."
+        ),
+    ] = None,
+) -> None:
+    """A contact sheet and a page that plays all labels of a data set."""
+    from scenarios.dataset.show import ShowDatasetRequest, show_dataset
+
+    typer.echo(show_dataset(ShowDatasetRequest(folder, out, sequence, rerun)))
+
+
+@app.command()
+def verify(
+    folder: Folder,
+    sums: Annotated[
+        bool, typer.Option("--sums/--no-sums", help="Compare every file's SHA-256 too.")
+    ] = True,
+    rays: Annotated[
+        int, typer.Option(help="Frames compared with rays into the rebuilt scenes; 0: none.")
+    ] = 4,
+    jobs: Annotated[int | None, typer.Option(help="Worker processes [all cores].")] = None,
+) -> None:
+    """Is a data set what it says it is? Every fault is a line with its file; exit code 1 then.
+
+    Checksums, both eyes, masks, boxes, depth, disparity, calibration and exports against each
+    other and against the 3-D truth; depth and ids against rays.
+    """
+    from scenarios.dataset.verify import VerifyRequest, verify_dataset
+    from scenarios.run.run import worker_count
+
+    raise typer.Exit(verify_dataset(VerifyRequest(folder, sums, rays, worker_count(jobs))))
+
+
+def formats_named(words: str | None, labels: Collection[str]) -> tuple[str, ...]:
+    """The formats of a text such as "coco,mot"; "none"; None: the usual ones that labels allow.
+
+    Raises BenchError for an unknown one, or one that needs a label that is not there.
+    """
+    from sim.dataset.layout import EXPORTS
+
+    if words is None:
+        return ("coco", "mot") if "seg" in labels else ("mot",)
+    named = [word.strip() for word in words.split(",") if word.strip()]
+    if named == ["none"]:
+        return ()
+    for name in named:
+        if name not in EXPORTS:
+            raise BenchError(f"--export {name[:40]}: must be of {', '.join(EXPORTS)}; or none")
+    if "coco" in named and "seg" not in labels:
+        raise BenchError("--export coco: its masks are made of the label seg, which is left out")
+    return tuple(name for name in EXPORTS if name in named)

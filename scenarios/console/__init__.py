@@ -1,0 +1,1 @@
+"""Progress, interrupts and output folders of the long verbs."""

@@ -1,0 +1,1 @@
+"""The verbs of `dataset`: make, verify, export, show."""

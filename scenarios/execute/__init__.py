@@ -1,0 +1,1 @@
+"""Execution of many episodes on isolated worker processes."""

@@ -1,0 +1,110 @@
+"""Many episodes: a pool of local worker processes, isolated from each other and from the parent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from pjpdaf.errors import BenchError, InfrastructureError
+from pjpdaf.plugins.checked import PlugInFault
+from pjpdaf.plugins.registry import described
+from reports.run.results import films_to_keep
+from reports.run.rows import EpisodeRows, rows_of
+from reports.score.records import EpisodeFailure
+from scenarios.play.play import Job, digest_of, play
+from sim.contact.contact import Unposable
+from sim.processes import Answer, Lost, Workers
+
+EPISODE_TIME_LIMIT_S = 900.0
+
+
+@dataclass(frozen=True)
+class Played:
+    """What came of a list of jobs; finished ones only, in the order of the jobs.
+
+    renderer: "" where nothing was rendered.
+    """
+
+    rows: tuple[EpisodeRows, ...]
+    interrupted: bool
+    renderer: str
+
+
+def _play_safely(job: Job) -> EpisodeRows | BenchError:
+    """`play`, with what a user can put right returned, and any other fault as a failed episode."""
+    try:
+        return rows_of(play(job))
+    except Unposable as fault:
+        return _failure(job, f"cannot be posed: {fault}")
+    except BenchError as fault:
+        # Errors with fields of their own do not survive pickling; line and exit code suffice.
+        kind = InfrastructureError if fault.exit_code == 5 else BenchError
+        return kind(str(fault))
+    except PlugInFault as fault:
+        return _failure(job, str(fault))
+    except (Exception, SystemExit, KeyboardInterrupt) as fault:
+        # Of a plug-in, too: Ctrl-C does not reach a worker, and nothing of ours exits here.
+        return _failure(job, described(fault))
+
+
+def play_all(
+    jobs: Sequence[Job],
+    workers: int,
+    on_done: Callable[[EpisodeRows], None] = lambda row: None,
+    time_limit_s: float = EPISODE_TIME_LIMIT_S,
+) -> Played:
+    """Play all jobs on `workers` processes.
+
+    A worker that dies is replaced and its episode played again, three times at most; an episode
+    over its time limit, or that raises, becomes a failed episode. Ctrl-C ends the run and keeps
+    what is finished. Neither the rows nor their order depend on `workers`.
+    Raises BenchError (the first in the order of the jobs) where the user's input is at fault.
+    OpenGL is needed only where a job is rendered.
+    """
+    results: dict[int, EpisodeRows] = {}
+    interrupted = False
+    renderer = ""
+    try:
+        with Workers(min(workers, len(jobs))) as pool:
+            if any(job.kept is None for job in jobs):
+                renderer = pool.renderer()
+            for found in pool.outcomes(_play_safely, dict(enumerate(jobs)), time_limit_s):
+                if found is None:
+                    continue
+                index, outcome = found
+                results[index] = _outcome(outcome, jobs[index], time_limit_s)
+                if results[index].film:
+                    _drop_films(results)
+                on_done(results[index])
+    except KeyboardInterrupt:
+        interrupted = True
+    return Played(tuple(results[i] for i in sorted(results)), interrupted, renderer)
+
+
+def _outcome(
+    outcome: Answer[EpisodeRows | BenchError] | Lost, job: Job, time_limit_s: float
+) -> EpisodeRows:
+    """An episode's rows; a failed episode where there is no answer. Raises the user's faults."""
+    if isinstance(outcome, Lost):
+        if outcome.late:
+            limit = f"{time_limit_s:.0f} s"
+            return _failure(job, f"not finished within {limit}; --time-limit gives it more")
+        times, code = outcome.attempts, outcome.exit_code
+        return _failure(job, f"its worker died {times} times (exit code {code})")
+    if isinstance(outcome.value, BenchError):
+        raise outcome.value
+    return outcome.value
+
+
+def _drop_films(results: dict[int, EpisodeRows]) -> None:
+    """Forget films that will not be saved: all of them together would not fit into memory."""
+    kept = films_to_keep(list(results.values()))
+    for index, row in results.items():
+        if row.film and (row.scenario, row.seed) not in kept:
+            results[index] = replace(row, film=())
+
+
+def _failure(job: Job, reason: str) -> EpisodeRows:
+    scenario = job.scenario
+    failure = EpisodeFailure(job.name, job.seed, reason, scenario.group, digest_of(job))
+    return rows_of(failure)

@@ -1,0 +1,1 @@
+"""The verbs of real footage: track, calibrate."""

@@ -1,0 +1,41 @@
+"""Which stage is at fault for a swap or a loss: the first whose replacement by truth cures it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from pjpdaf.camera import Camera
+from pjpdaf.interfaces import AnyTracker
+from reports.score.events import Event, find_events
+from reports.score.records import Episode
+from scenarios.play.oracle import Oracle, stages_of, track_again
+
+BLAMED = ("swap", "capture", "lost")  # a recovery is nobody's fault
+NONE = "none"  # no single replacement cures it
+
+
+def blame(
+    episode: Episode, cameras: Sequence[Camera], tracker: AnyTracker
+) -> Mapping[tuple[str, int, int], str]:
+    """(kind, target, first frame) of each swap, capture and loss -> the stage at fault, or NONE.
+
+    The stages are tried in the order of `scenarios.play.oracle.STAGES`. Cured: no event of the same
+    kind and target overlaps its frames.
+    """
+    wrong = [event for event in find_events(episode) if event.kind in BLAMED]
+    found: dict[tuple[str, int, int], str] = {}
+    for stage in stages_of(tracker) if wrong else ():
+        again = track_again(episode, cameras, tracker, Oracle(**{stage: True}))
+        left = find_events(again)
+        for event in wrong:
+            key = (event.kind, event.target, event.first)
+            if key not in found and not any(_same(event, other) for other in left):
+                found[key] = stage
+    return {
+        (e.kind, e.target, e.first): found.get((e.kind, e.target, e.first), NONE) for e in wrong
+    }
+
+
+def _same(event: Event, other: Event) -> bool:
+    overlap = other.first <= event.last and event.first <= other.last
+    return overlap and (other.kind, other.target) == (event.kind, event.target)

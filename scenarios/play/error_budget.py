@@ -1,0 +1,87 @@
+"""Where the error comes from: the errors of an episode with ever more of the real system in it.
+
+  grid         the exact centres, projected and rounded to whole pixels, then triangulated
+  surface      the centroids of the visible skin, triangulated
+  detector     the real detections, each given to the target that it shows, triangulated
+  filter       the tracker with these detections, their origin known
+  association  the tracker as it is
+
+Each level adds one cause; what a level has more than the one before it is that cause's share.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from pjpdaf.arrays import Floats
+from pjpdaf.camera import Camera, project, triangulate, undistort_points
+from pjpdaf.interfaces import AnyTracker
+from reports.score.records import BUDGET_LEVELS, Episode
+from scenarios.play.oracle import Oracle, stages_of, track_again, true_assignment
+
+Pixels = Callable[[Episode, int, Sequence[Camera]], Floats]  # of a frame: (N, T, 2)
+
+
+def error_budget(
+    episode: Episode, cameras: Sequence[Camera], tracker: AnyTracker
+) -> Mapping[str, Floats]:
+    """Error (F, T) [m] of each of `BUDGET_LEVELS`, NaN in frames in which any of them has none.
+
+    cameras: the calibration that the tracker was given. Empty for a tracker whose association
+    cannot be replaced.
+    """
+    if "association" not in stages_of(tracker):
+        return {}
+    centres = np.stack([outcome.truth.centres_m for outcome in episode.frames])
+    known = track_again(episode, cameras, tracker, Oracle(association=True))
+    found = {
+        "grid": _located(episode, cameras, _whole_pixels),
+        "surface": _located(episode, cameras, _visible_centroids),
+        "detector": _located(episode, cameras, _detections),
+        "filter": _said(known),
+        "association": _said(episode),
+    }
+    errors = {name: np.linalg.norm(points - centres, axis=-1) for name, points in found.items()}
+    undefined = np.isnan(np.stack([errors[name] for name in BUDGET_LEVELS])).any(axis=0)
+    return {name: np.where(undefined, np.nan, errors[name]) for name in BUDGET_LEVELS}
+
+
+def _said(episode: Episode) -> Floats:
+    return np.stack([outcome.estimates.positions_m for outcome in episode.frames])
+
+
+def _located(episode: Episode, cameras: Sequence[Camera], pixels_of: Pixels) -> Floats:
+    """Points (F, T, 3) triangulated from each frame's pixels (N, T, 2); NaN where one is."""
+    points = []
+    for frame in range(len(episode.frames)):
+        pixels = pixels_of(episode, frame, cameras)
+        seen = np.isfinite(pixels).all(axis=(0, 2))
+        found = np.full((pixels.shape[1], 3), np.nan)
+        for target in np.flatnonzero(seen):
+            found[target] = triangulate(tuple(cameras), pixels[:, target])
+        points.append(found)
+    return np.stack(points)
+
+
+def _whole_pixels(episode: Episode, frame: int, cameras: Sequence[Camera]) -> Floats:
+    centres = episode.frames[frame].truth.centres_m
+    return np.stack([np.rint(project(camera, centres)) for camera in episode.cameras])
+
+
+def _visible_centroids(episode: Episode, frame: int, cameras: Sequence[Camera]) -> Floats:
+    views = episode.frames[frame].truth.views
+    marks = []
+    for view, camera in zip(views, cameras, strict=True):
+        seen = np.isfinite(view.centroids_px).all(axis=1)
+        mark = np.full(view.centroids_px.shape, np.nan)
+        if seen.any():
+            mark[seen] = undistort_points(camera, view.centroids_px[seen])
+        marks.append(mark)
+    return np.stack(marks)
+
+
+def _detections(episode: Episode, frame: int, cameras: Sequence[Camera]) -> Floats:
+    outcome = episode.frames[frame]
+    return true_assignment(outcome.truth, outcome.detections, cameras)

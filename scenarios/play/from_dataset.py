@@ -1,0 +1,84 @@
+"""`run --from`: the sequences of a data set as the episodes of a run; nothing is rendered."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import replace
+from pathlib import Path
+
+from pjpdaf.errors import BenchError
+from pjpdaf.plugins.registry import make_detector, make_tracker
+from scenarios.play.play import Job, System
+from scenarios.play.recipe import read_recipe
+from scenarios.spec.parameters import nearest
+from sim.dataset.reader import Dataset, Sequence, open_dataset
+
+
+def open_with_sequences(folder: Path) -> Dataset:
+    """A data set with at least one finished sequence. Raises BenchError."""
+    dataset = open_dataset(folder)
+    if not dataset.sequences:
+        raise BenchError(f"{folder}: has no finished sequence; `dataset make` goes on with it.")
+    return dataset
+
+
+def job_of(sequence: Sequence) -> Job:
+    """The episode that a sequence is of, to be read instead of rendered.
+
+    Raises BenchError where its recipe is of another version, or another than the manifest's.
+    """
+    recipe = read_recipe(sequence.recipe, sequence.folder)
+    job = recipe.job
+    for name, found in (("label", job.name), ("seed", job.seed)):
+        if sequence.entry.get(name) != found:
+            raise BenchError(
+                f"{sequence.folder / 'recipe.json'}: its {name} is {found!r}, in the manifest it "
+                f"is {sequence.entry.get(name)!r}; one of them was edited."
+            )
+    return replace(job, kept=sequence.folder.absolute(), size_px=recipe.settings.size_px)
+
+
+def jobs_of(
+    dataset: Dataset, system: System, only: Collection[str] = (), *, pictures: bool, films: bool
+) -> list[Job]:
+    """The episodes of a data set in its order; only: of these names in the results.
+
+    pictures: keep some of the first seed of each name; films: keep all of all. Raises BenchError
+    for a recipe that cannot be read, a name or detector or tracker that does not exist.
+    """
+    # Of a copy: what a sequence has read would stay with it, and there may be thousands.
+    found = [job_of(replace(one)) for one in dataset.sequences]
+    jobs = [replace(job, system=system, keep_film=films) for job in found]
+    names = list(dict.fromkeys(job.name for job in jobs))
+    for name in only:
+        if name not in names:
+            hint = nearest(name, names) or ";"
+            raise BenchError(f"--only {name}: not in it{hint} there are: {', '.join(names)}")
+    check_once(dataset, ((job.name, job.seed) for job in jobs))
+    jobs = [job for job in jobs if job.name in only or not only]
+    first = {job.name: job.seed for job in sorted(jobs, key=lambda job: -job.seed)}
+    # A rig may be new to a detector or tracker: each name's first is tried.
+    for job in {job.name: job for job in reversed(jobs)}.values():
+        assert job.kept is not None
+        cameras = Sequence(job.kept, {}).calibration.cameras
+        make_detector(system.detector, cameras, system.detector_settings)
+        make_tracker(system.tracker, cameras, system.tracker_settings)
+    return [replace(j, keep_pictures=pictures and j.seed == first[j.name]) for j in jobs]
+
+
+def check_once(dataset: Dataset, episodes: Iterable[tuple[str, int]]) -> None:
+    """Raise BenchError unless each (name, seed) is in it once: results have them once."""
+    seen = set()
+    for name, seed in episodes:
+        if (name, seed) in seen:
+            raise BenchError(
+                f"{dataset.folder}: has {name} seed {seed} twice; results are told apart by these."
+            )
+        seen.add((name, seed))
+
+
+def renderer_of(dataset: Dataset) -> str:
+    """What rendered its pictures, "" where it does not say."""
+    made_with = dataset.manifest.get("made_with")
+    renderer = made_with.get("renderer") if isinstance(made_with, dict) else None
+    return renderer[:300] if isinstance(renderer, str) else ""

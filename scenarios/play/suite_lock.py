@@ -1,0 +1,149 @@
+"""The lock of the shipped suites: what exactly `core@1` plays, by digest.
+
+`python -m scenarios.play.suite_lock` brings `suites/lock.json` up to date. A locked version never
+changes: results that carry its name stay comparable.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import sys
+from collections.abc import Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from pjpdaf.errors import BenchError
+from reports.run.rows import METRICS_VERSION
+from scenarios.play.play import digest_of
+from scenarios.play.targets import Part, parts_of_suite
+from scenarios.spec.names import load_suite, suite_names
+from scenarios.spec.scenario import Suite
+
+COMMAND = "python -m scenarios.play.suite_lock"
+FILE = "scenarios/suites/lock.json"
+# How an episode without a result counts; part of what a suite's figures mean.
+CRASH_POLICY = "worst"
+
+Lock = Mapping[str, Mapping[str, Any]]
+
+
+def stamp(suite: Suite) -> dict[str, Any]:
+    """What a suite is, for run.json and the lock.
+
+    name, version, digest; metrics_version; entries: label -> 'scenario@version xSEEDS digest', in
+    order. The digest is of the entries' digests, the metrics and the crash policy.
+    """
+    entries = {part.label: _entry(part) for part in parts_of_suite(suite)}
+    whole = [list(entries.items()), METRICS_VERSION, CRASH_POLICY]
+    return {
+        "name": suite.name,
+        "version": suite.version,
+        "metrics_version": METRICS_VERSION,
+        "digest": hashlib.sha256(json.dumps(whole).encode()).hexdigest(),
+        "entries": entries,
+    }
+
+
+def _entry(part: Part) -> str:
+    digests = [digest_of(part.job(seed)) for seed in range(part.seeds)]
+    digest = hashlib.sha256("\n".join(digests).encode()).hexdigest()
+    return f"{part.scenario.name}@{part.scenario.version} x{part.seeds} {digest}"
+
+
+def shipped_stamps() -> dict[str, dict[str, Any]]:
+    """name@version -> stamp of all shipped suites."""
+    stamps = [stamp(load_suite(name)) for name in suite_names()]
+    return {f"{one['name']}@{one['version']}": one for one in stamps}
+
+
+def read_lock() -> Lock:
+    """The shipped lock; empty where there is none yet."""
+    file = files("scenarios") / "suites" / "lock.json"
+    found: Lock = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    return found
+
+
+def faults(lock: Lock, stamps: Lock) -> list[str]:
+    """Where suites are not what the lock says, a line each that says what to do."""
+    found = []
+    for name, now in stamps.items():
+        locked = lock.get(name)
+        if locked is None:
+            found.append(f"{name} is not locked: run `{COMMAND}` and commit {FILE}")
+        elif locked["entries"] != now["entries"]:
+            found.append(_what_changed(name, locked, now))
+        elif locked["digest"] != now["digest"]:
+            found.append(
+                f"{name} was locked with metrics version {locked['metrics_version']}, now it is "
+                f"{now['metrics_version']}: run `{COMMAND}` and commit {FILE}"
+            )
+    return found
+
+
+def _what_changed(name: str, locked: Mapping[str, Any], now: Mapping[str, Any]) -> str:
+    suite = name.partition("@")[0]
+    before, after = locked["entries"], now["entries"]
+    labels = [label for label in {**before, **after} if before.get(label) != after.get(label)]
+    # The order of the entries is all that can differ else.
+    what = ", ".join(labels[:5]) + (", ..." if len(labels) > 5 else "") or "the order"
+    kept = sorted(
+        {
+            str(after[label]).partition("@")[0]
+            for label in labels
+            if label in before
+            and label in after
+            and before[label].split()[0] == after[label].split()[0]
+        }
+    )
+    raised = f"raise `version` of {', '.join(kept[:5])} in scenarios/catalog/, " if kept else ""
+    return (
+        f"{name} is locked, but has changed ({what}): {raised}set `version: {now['version'] + 1}` "
+        f"in scenarios/suites/{suite}.yaml, run `{COMMAND}` and commit {FILE}"
+    )
+
+
+def updated(lock: Lock, stamps: Lock, *, replace: bool = False) -> dict[str, Any]:
+    """The lock with all suites of today; older versions stay.
+
+    Raises BenchError where a locked version has changed, unless `replace`: for a version of which
+    nobody has results yet.
+    """
+    changed = [
+        name for name in stamps if name in lock and lock[name]["entries"] != stamps[name]["entries"]
+    ]
+    if changed and not replace:
+        raise BenchError(_what_changed(changed[0], lock[changed[0]], stamps[changed[0]]))
+    return {name: dict(one) for name, one in sorted({**lock, **stamps}.items())}
+
+
+def write_lock(folder: Path, *, replace: bool = False) -> Path:
+    """Bring lock.json in the folder of the suites up to date. Raises BenchError."""
+    path = folder / "lock.json"
+    whole = updated(read_lock(), shipped_stamps(), replace=replace)
+    path.write_text(json.dumps(whole, indent=1) + "\n", encoding="utf-8")
+    return path
+
+
+def main(words: list[str] | None = None) -> int:
+    """The command of this module; its exit code."""
+    parser = argparse.ArgumentParser(prog=COMMAND, description="Lock the shipped suites.")
+    parser.add_argument(
+        "--replace",
+        action="store_true",
+        help="also locked versions that have changed: only where nobody has results of them",
+    )
+    replace = bool(parser.parse_args(words).replace)
+    try:
+        path = write_lock(Path(__file__).parents[1] / "suites", replace=replace)
+    except BenchError as fault:
+        sys.stderr.write(f"{fault}; or, if nobody has results of it, `{COMMAND} --replace`\n")
+        return fault.exit_code
+    sys.stdout.write(f"locked: {path}\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""The verbs `run`, `report`, `compare` and `baseline`, and the pytest plug-in."""

@@ -1,0 +1,170 @@
+"""The verb `compare`: the gate's verdict on two saved runs, printed and written down."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from pjpdaf.errors import BenchError
+from reports.gate.formats import (
+    badge_json,
+    interval,
+    junit_xml,
+    markdown,
+    number,
+    unit_of,
+    verdict_json,
+    word,
+)
+from reports.gate.gate import MetricVerdict, Verdict, compare
+from reports.run.provenance import provenance
+from reports.run.results import SavedRun, load
+from reports.run.rows import EpisodeRows
+from scenarios.console.progress import progress_bar
+from scenarios.run.margins import load_margins, read_margins
+from sim.files import disk_faults, written_whole_file
+
+EXIT_CODES = {"pass": 0, "fail": 1, "inconclusive": 3}
+FILES = ("verdict.json", "junit.xml", "summary.md", "badge.json")
+STYLES = {"pass": "green", "fail": "bold red", "inconclusive": "yellow"}
+
+
+@dataclass(frozen=True)
+class CompareRequest:
+    """What the command line asked for; jobs: worker processes of an escalation."""
+
+    base: Path
+    new: Path
+    margins_file: Path | None
+    margins: tuple[str, ...]
+    out: Path | None
+    escalate: bool
+    jobs: int | None
+    argv: tuple[str, ...]
+
+
+def compare_runs(request: CompareRequest) -> int:
+    """Compare, print, write verdict.json, junit.xml, summary.md and badge.json; the exit code.
+
+    Raises NotComparable, BenchError.
+    """
+    margins: dict[str, float] = {}
+    if request.margins_file is not None:
+        margins |= load_margins(request.margins_file)
+    margins |= read_margins(request.margins)
+    base, new = load(request.base), load(request.new)
+    out = request.out or request.new
+    if out.exists() and not out.is_dir():
+        raise BenchError(f"{out}: is a file; give --out a folder.")
+    refused = ""
+    if request.escalate:
+        verdict, refused = _escalated(base, new, margins, request.jobs, out / "reserve")
+    else:
+        verdict = compare(base, new, margins)
+    write_verdict(verdict, out, request.argv)
+    console = Console()
+    console.print(verdict_table(verdict))
+    for note in verdict.notes:
+        console.print(f"note: {note}", highlight=False, markup=False, soft_wrap=True)
+    console.print(sentence(verdict), style=STYLES[verdict.verdict], highlight=False, soft_wrap=True)
+    console.print(
+        f"written: {', '.join(str(out / name) for name in FILES)}",
+        highlight=False,
+        markup=False,
+        soft_wrap=True,
+    )
+    if refused:
+        sys.stderr.write(f"pjpdaf-bench: {refused}\n")
+    return EXIT_CODES[verdict.verdict]
+
+
+def _escalated(
+    base: SavedRun,
+    new: SavedRun,
+    margins: Mapping[str, float],
+    jobs: int | None,
+    folder: Path,
+) -> tuple[Verdict, str]:
+    """The verdict with as many reserve seeds as it takes, or why these cannot be played here."""
+    # Late: to play takes many imports that comparing does not need.
+    from scenarios.run.escalate import LOOKS, CannotEscalate, escalate
+    from scenarios.run.run import worker_count
+
+    workers = worker_count(jobs)
+    first = compare(base, new, margins, looks=LOOKS)
+    if first.verdict != "inconclusive":
+        return first, ""
+    with progress_bar(Console(stderr=True)) as progress:
+
+        def on_round(number: int, episodes: int) -> Callable[[EpisodeRows], None]:
+            task = progress.add_task(f"reserve {number + 1}", total=episodes)
+            return lambda row: progress.update(task, advance=1)
+
+        try:
+            here = provenance()
+            return escalate(base, new, margins, workers, folder, on_round, here), ""
+        except CannotEscalate as fault:
+            return first, str(fault)
+
+
+def write_verdict(verdict: Verdict, folder: Path, argv: tuple[str, ...] = ()) -> None:
+    """All four files into a folder, made where it is not there. Raises BenchError."""
+    texts: Mapping[str, str] = {
+        "verdict.json": verdict_json(verdict, argv),
+        "junit.xml": junit_xml(verdict),
+        "summary.md": markdown(verdict),
+        "badge.json": badge_json(verdict),
+    }
+    with disk_faults(folder, "the verdict"):
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in texts.items():
+            with written_whole_file(folder / name, "the verdict", replace=True) as part:
+                part.write_text(text, encoding="utf-8")
+
+
+def sentence(verdict: Verdict) -> str:
+    """The outcome in one line."""
+    if verdict.identical:
+        return f"pass: all {verdict.episodes} episodes gave the same results, bit for bit"
+    words = [m.metric.name for m in verdict.metrics if m.verdict == verdict.verdict]
+    if verdict.verdict == "pass":
+        return f"pass: no metric is worse by more than its margin ({verdict.episodes} episodes)"
+    return f"{verdict.verdict}: {', '.join(words)} ({verdict.episodes} paired episodes)"
+
+
+def verdict_table(verdict: Verdict) -> Table:
+    """A row per metric, for the terminal."""
+    table = Table(
+        title=Text(f"{verdict.new} against {verdict.base}"),
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
+    )
+    table.add_column("metric", no_wrap=True)
+    share = f"{100 * (1 - verdict.alpha):.4g} %"
+    for heading in ("base", "new", "difference", share, "margin"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("verdict", no_wrap=True)
+    for judged in verdict.metrics:
+        table.add_row(*_cells(judged), Text(word(judged), style=STYLES[judged.verdict]))
+    return table
+
+
+def _cells(judged: MetricVerdict) -> tuple[str, ...]:
+    unit = unit_of(judged.metric)
+    return (
+        judged.metric.name,
+        number(judged.base) + unit,
+        number(judged.new) + unit,
+        number(judged.difference.mean, "+"),
+        interval(judged),
+        f"{judged.metric.margin:g}",
+    )

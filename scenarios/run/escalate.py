@@ -1,0 +1,200 @@
+"""Escalation: an inconclusive comparison is decided with more seeds, in sizes fixed beforehand.
+
+The reserve seeds start where `--seeds` never comes, so nothing was ever tuned on them. Every look
+at the grown data has its share of the false alarms allowed in all (`reports.gate.gate.compare`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from pjpdaf.errors import BenchError
+from reports.gate.gate import Verdict, compare, words_of_system
+from reports.gate.pairing import joined, measured
+from reports.run.results import SavedRun, tables_of
+from reports.run.rows import EpisodeRows
+from scenarios.execute.episodes import Played, play_all
+from scenarios.play.play import Job, digest_of
+from scenarios.run.run import RunRequest, find_plug_ins_here, plan, record
+
+FIRST_RESERVE_SEED = 1_000_000
+ROUNDS = (1, 2, 4)  # times the seeds that the runs have, one round after the other
+LOOKS = 1 + len(ROUNDS)
+PROOFS = 3  # episodes that are played again to see that this code made the runs
+
+OnDone = Callable[[EpisodeRows], None]
+OnRound = Callable[[int, int], OnDone]  # number of the round, episodes -> called for each
+
+
+class CannotEscalate(BenchError):
+    """The runs cannot be continued here; the line says how to do it by hand. Inconclusive."""
+
+    exit_code = 3
+
+
+def escalate(
+    base: SavedRun,
+    new: SavedRun,
+    margins: Mapping[str, float],
+    workers: int,
+    folder: Path,
+    on_round: OnRound,
+    here: Mapping[str, Any],
+) -> Verdict:
+    """Play the reserve, round by round, until the verdict is clear or the last one is played.
+
+    The played rounds are saved below `folder`. here: the provenance of this code. Raises
+    CannotEscalate where one of the runs was not made by this very code, KeyboardInterrupt.
+    """
+    reason = refusal(base, new, here)
+    if reason:
+        raise CannotEscalate(by_hand(new, reason))
+    plans = planned(base), planned(new)
+    _prove((base, new), plans, workers)
+    verdict = compare(base, new, margins, looks=LOOKS)
+    for number in range(len(ROUNDS)):
+        if verdict.verdict != "inconclusive":
+            break
+        base, new = play_round((base, new), plans, number, workers, folder, on_round)
+        verdict = compare(base, new, margins, looks=LOOKS)
+    return verdict
+
+
+def refusal(base: SavedRun, new: SavedRun, here: Mapping[str, Any]) -> str:
+    """Why runs cannot be continued by the code that `here` is the provenance of; "" where they can.
+
+    Installed packages have no commit; there the version stands for the code.
+    """
+    for run in (base, new):
+        made = run.meta["provenance"]
+        if not run.meta.get("request"):
+            return f"{run.folder} does not say how it was started"
+        if made["commit"] != here["commit"]:
+            return f"{run.folder} was made by commit {_short(made)}, this is {_short(here)}"
+        if made["dirty"] or here["dirty"]:
+            where = str(run.folder) if made["dirty"] else "this checkout"
+            return f"{where} has changes that are not committed"
+        for name, version in made["versions"].items():
+            if here["versions"].get(name) != version:
+                return f"{run.folder} was made with {name} {version}"
+    return ""
+
+
+def _short(made: Mapping[str, Any]) -> str:
+    return str(made["commit"] or "unknown")[:12]
+
+
+def by_hand(new: SavedRun, reason: str) -> str:
+    """The one line for runs that cannot be continued here."""
+    request = new.meta.get("request")
+    seeds = sum(ROUNDS) * max(len(one["seeds"]) for one in new.meta["scenarios"])
+    words = [*request["targets"], *words_of_system(new.meta)] if request else ["..."]
+    return (
+        f"inconclusive, and the reserve cannot be played here: {reason}; play it with each of the "
+        f"two versions and compare these runs: pjpdaf-bench run {' '.join(words)} "
+        f"--first-seed {FIRST_RESERVE_SEED} --seeds {seeds} --slim --out DIR"
+    )
+
+
+def request_of(run: SavedRun) -> RunRequest:
+    """What the command line of a run asked for."""
+    asked, meta = run.meta["request"], run.meta
+    return RunRequest(
+        targets=tuple(asked["targets"]),
+        seeds=asked["seeds"],
+        preset=str(meta["preset"]),
+        detector=str(meta["detector"]),
+        tracker=str(meta["tracker"]),
+        settings=tuple(asked["settings"]),
+        jobs=None,
+        out=None,
+        argv=(),
+        first_seed=int(asked["first_seed"]),
+        only=tuple(asked["only"]),
+        slim=True,
+    )
+
+
+def planned(run: SavedRun) -> list[Job]:
+    """The jobs of a run once more. Raises CannotEscalate where they are not those of the run."""
+    request = request_of(run)
+    find_plug_ins_here(request.detector, request.tracker)
+    try:
+        jobs = plan(request)
+    except BenchError as fault:
+        raise CannotEscalate(by_hand(run, str(fault))) from fault
+    now = {(job.name, job.seed): digest_of(job) for job in jobs}
+    then = {
+        (one["name"], seed): digest
+        for one in run.meta["scenarios"]
+        for seed, digest in zip(one["seeds"], one["digests"], strict=True)
+    }
+    if now != then:
+        raise CannotEscalate(by_hand(run, f"the scenarios of {run.folder} have changed"))
+    return jobs
+
+
+def _prove(runs: Sequence[SavedRun], plans: Sequence[Sequence[Job]], workers: int) -> None:
+    """Play a few episodes of each run again: the same code gives the same, bit for bit.
+
+    Plug-ins have no version of ours; this is what notices that one has changed.
+    """
+    chosen = [[jobs[k * len(jobs) // PROOFS] for k in range(PROOFS)] for jobs in plans]
+    chosen = [list({(job.name, job.seed): job for job in jobs}.values()) for jobs in chosen]
+    played = _finished(play_all([job for jobs in chosen for job in jobs], workers))
+    for run, jobs in zip(runs, chosen, strict=True):
+        mine, played = played[: len(jobs)], played[len(jobs) :]
+        for job, row in zip(jobs, mine, strict=True):
+            if not same_episode(run, row):
+                what = f"{job.name} seed {job.seed} of {run.folder} comes out differently now"
+                raise CannotEscalate(by_hand(run, what))
+
+
+def same_episode(run: SavedRun, row: EpisodeRows) -> bool:
+    """Whether an episode that was played again is the one in the run, in all its sums."""
+    now = measured(tables_of([row])["episodes"].to_pandas())
+    mine = (run.episodes["scenario"] == row.scenario) & (run.episodes["seed"] == row.seed)
+    return bool(now.equals(measured(run.episodes[mine]).reset_index(drop=True)))
+
+
+def reserve_jobs(jobs: Sequence[Job], number: int) -> list[Job]:
+    """The jobs of a round: of each scenario that many new seeds, times those it has."""
+    found = []
+    for name in dict.fromkeys(job.name for job in jobs):
+        mine = [job for job in jobs if job.name == name]
+        first = FIRST_RESERVE_SEED + sum(ROUNDS[:number]) * len(mine)
+        found += [
+            replace(mine[0], seed=first + k, keep_pictures=False)
+            for k in range(ROUNDS[number] * len(mine))
+        ]
+    return found
+
+
+def play_round(
+    runs: Sequence[SavedRun],
+    plans: Sequence[Sequence[Job]],
+    number: int,
+    workers: int,
+    folder: Path,
+    on_round: OnRound,
+) -> tuple[SavedRun, SavedRun]:
+    """Both runs with the episodes of one more round; these are saved as FOLDER/base-1, new-1."""
+    jobs = [reserve_jobs(one, number) for one in plans]
+    every = [job for one in jobs for job in one]
+    rows = _finished(play_all(every, workers, on_round(number, len(every))))
+    grown = []
+    for name, run, mine in zip(("base", "new"), runs, jobs, strict=True):
+        part, rows = rows[: len(mine)], rows[len(mine) :]
+        played = Played(tuple(part), interrupted=False, renderer=run.meta["provenance"]["renderer"])
+        out = folder / f"{name}-{number + 1}"
+        grown.append(joined([run, record(request_of(run), mine, played, out, force=True)]))
+    return grown[0], grown[1]
+
+
+def _finished(played: Played) -> list[EpisodeRows]:
+    if played.interrupted:
+        raise KeyboardInterrupt
+    return list(played.rows)

@@ -1,0 +1,199 @@
+"""pytest plug-in: play scenarios in a test, and hold their results against a baseline.
+
+Nothing but pytest is imported until a fixture is used.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+import pytest
+
+if TYPE_CHECKING:
+    from reports.gate.gate import Verdict
+    from reports.run.results import SavedRun
+    from reports.summary.tables import Summary, SummaryRow
+
+
+@dataclass(frozen=True, eq=False)
+class BenchRun:
+    """A run that a test played. saved: all of it; the rest: its figures over all scenarios.
+
+    name: below which its baseline is kept.
+    """
+
+    name: str
+    saved: SavedRun
+
+    @cached_property
+    def summary(self) -> Summary:
+        """The figures per scenario and target (`reports.summary.tables`)."""
+        from reports.summary.tables import summarise
+
+        return summarise(self.saved)
+
+    @property
+    def overall(self) -> SummaryRow:
+        """All scenarios and targets together."""
+        return self.summary.overall
+
+    @property
+    def median_error_mm(self) -> float:
+        """Median 3-D error of all target-frames [mm]."""
+        return self.overall.median_mm
+
+    @property
+    def within_100(self) -> float:
+        """Share of target-frames within 100 mm of the truth."""
+        return self.overall.within_100
+
+    @property
+    def swapped(self) -> int:
+        """Episodes in which the hands were swapped."""
+        return self.overall.swapped or 0
+
+    @property
+    def lost(self) -> int:
+        """Episodes in which a target was lost."""
+        return self.overall.lost
+
+
+class PlayRun(Protocol):
+    """What the fixture `pjpdaf_run` gives."""
+
+    def __call__(
+        self,
+        *targets: str,
+        tracker: str = "thesis",
+        detector: str = "thesis",
+        seeds: int | None = None,
+        settings: Mapping[str, object] | None = None,
+    ) -> BenchRun:
+        """Play scenarios or suites; the test fails where an episode gives no result.
+
+        tracker, detector: preset, entry point or module:factory. seeds: episodes of each scenario
+        [the suite's own; 10]. settings: what `--set` changes.
+        """
+        ...
+
+
+Check = Callable[..., "Verdict"]
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Options of the plug-in."""
+    group = parser.getgroup("pjpdaf-bench")
+    group.addoption(
+        "--pjpdaf-baseline",
+        metavar="DIR",
+        help="Folder of the slim runs that assert_no_regression compares with.",
+    )
+    group.addoption(
+        "--pjpdaf-update-baseline",
+        action="store_true",
+        help="Write them instead: what is played now becomes the baseline.",
+    )
+    group.addoption(
+        "--pjpdaf-jobs", type=int, metavar="N", help="Worker processes of a run [all cores]."
+    )
+
+
+@pytest.fixture
+def pjpdaf_run(request: pytest.FixtureRequest, tmp_path: Path) -> PlayRun:
+    """Plays scenarios: `pjpdaf_run("cross", tracker="mine:make", seeds=3)` gives a `BenchRun`."""
+    stem = re.sub(r"[^A-Za-z0-9_.-]+", "_", request.node.name).strip("_.")[:80]
+    played: list[BenchRun] = []
+
+    def play(
+        *targets: str,
+        tracker: str = "thesis",
+        detector: str = "thesis",
+        seeds: int | None = None,
+        settings: Mapping[str, object] | None = None,
+    ) -> BenchRun:
+        from pjpdaf.errors import BenchError
+        from scenarios.run.run import RunRequest
+
+        number = len(played) + 1
+        name = stem if number == 1 else f"{stem}-{number}"
+        asked = RunRequest(
+            targets=targets,
+            seeds=seeds,
+            preset="thesis",
+            detector=detector,
+            tracker=tracker,
+            settings=tuple(f"{key}={value}" for key, value in (settings or {}).items()),
+            jobs=request.config.getoption("--pjpdaf-jobs"),
+            out=tmp_path / "pjpdaf" / name,
+            argv=(),
+        )
+        try:
+            run = BenchRun(name, _played(asked))
+        except BenchError as fault:
+            pytest.fail(str(fault), pytrace=False)
+        played.append(run)
+        return run
+
+    return play
+
+
+def _played(request: Any) -> SavedRun:
+    """Play and save a `scenarios.run.run.RunRequest`. Raises BenchError."""
+    from pjpdaf.errors import InfrastructureError
+    from scenarios.execute.episodes import play_all
+    from scenarios.run.run import find_plug_ins_here, plan, record, worker_count
+
+    find_plug_ins_here(request.detector, request.tracker)
+    jobs = plan(request)
+    played = play_all(jobs, worker_count(request.jobs))
+    if played.interrupted:
+        raise KeyboardInterrupt
+    failed = [row for row in played.rows if row.failure]
+    if failed:
+        first = failed[0]
+        raise InfrastructureError(
+            f"{len(failed)} of {len(jobs)} episodes gave no result, the first: "
+            f"{first.scenario} seed {first.seed}: {first.failure}"
+        )
+    return record(request, jobs, played, request.out)
+
+
+@pytest.fixture
+def assert_no_regression(request: pytest.FixtureRequest) -> Check:
+    """`assert_no_regression(run)` fails the test unless the gate passes the run.
+
+    Its base is DIR/NAME of --pjpdaf-baseline DIR, NAME being the test's;
+    --pjpdaf-update-baseline writes it. margins: metric -> margin, as of `compare`.
+    """
+    folder = request.config.getoption("--pjpdaf-baseline")
+    update = bool(request.config.getoption("--pjpdaf-update-baseline"))
+
+    def check(run: BenchRun, margins: Mapping[str, float] | None = None) -> Verdict:
+        from pjpdaf.errors import BenchError
+        from reports.gate.formats import markdown
+        from reports.gate.gate import compare
+        from reports.run.results import load, save_slim
+
+        if folder is None:
+            pytest.fail("assert_no_regression needs --pjpdaf-baseline DIR", pytrace=False)
+        place = Path(folder) / run.name
+        try:
+            if update:
+                save_slim(run.saved, place, force=place.exists())
+            elif not (place / "run.json").is_file():
+                pytest.fail(
+                    f"{place}: no baseline; make it with --pjpdaf-update-baseline", pytrace=False
+                )
+            verdict = compare(load(place), run.saved, margins)
+        except BenchError as fault:
+            pytest.fail(str(fault), pytrace=False)
+        if verdict.verdict != "pass":
+            pytest.fail(f"{place}: {verdict.verdict}\n\n{markdown(verdict)}", pytrace=False)
+        return verdict
+
+    return check

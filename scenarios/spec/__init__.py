@@ -1,0 +1,1 @@
+"""Scenarios: parameters, units, files, names, and the draw of concrete values."""

@@ -1,0 +1,176 @@
+"""A scenario and a seed become values, and these a performance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from pjpdaf.errors import BenchError
+from scenarios.spec import cameras, person_and_room
+from scenarios.spec.names import load_scenario
+from scenarios.spec.parameters import UNITS, FileText, Numeric, nearest
+from scenarios.spec.scenario import MAX_FRAMES, Scenario
+from sim.contact.contact import Unposable
+from sim.families.registry import GESTURES
+from sim.motion.measure import fault_of
+from sim.motion.motion import Performer
+from sim.motion.opening import with_opening
+from sim.motion.stage import Stage, Value, Values
+from sim.randomness import generator
+from sim.scene.extras import NO_EXTRAS, Extras, WithExtras
+from sim.script import Performance
+from sim.specs import SceneSpec
+
+MAX_DRAWS = 20  # of a seed
+JUDGED_HZ, MOST_JUDGED = 6.0, 400  # poses of a draw
+
+SETTINGS = ("frames", "fps", "background_frames")  # fields that `--set` may change as well
+
+
+def concrete(
+    scenario: Scenario, seed: int, overrides: Mapping[str, Value] | None = None, redraw: int = 0
+) -> dict[str, Value]:
+    """The values of all parameters for a seed, each in its parameter's unit.
+
+    Each draw is addressed by (seed, family, parameter): changing one moves no other, and twins of a
+    family share those of the same name. redraw: the draw after this many that were thrown away.
+    overrides: parameter -> number, text such as "0.3 m/s", or a file's name; raises BenchError with
+    unit and range for one that does not fit.
+    """
+    overrides = dict(overrides or {})
+    known = (*scenario.parameters, *SETTINGS)
+    for name in overrides:
+        if name not in known:
+            listed = ", ".join(sorted(known))
+            what = f"{name[:60]!r}{nearest(name, known) or ';'}"
+            raise BenchError(f"{scenario.name} has no parameter {what} known: {listed}")
+    values: dict[str, Value] = {}
+    for name, parameter in scenario.parameters.items():
+        if name in overrides:
+            values[name] = parameter.check(name, overrides[name])
+        else:
+            share = float(_stream(scenario, seed, redraw, name).random())
+            values[name] = parameter.at(share)
+    return values
+
+
+def _stream(scenario: Scenario, seed: int, redraw: int, name: str) -> np.random.Generator:
+    again = f"redraw{redraw}/" if redraw else ""
+    return generator(seed, f"{scenario.family}/{again}{name}")
+
+
+def setting_of(scenario: Scenario, overrides: Mapping[str, Value], name: str) -> float:
+    """A value of `SETTINGS`, the scenario's own unless it is set. Raises BenchError."""
+    if name not in overrides:
+        return float(getattr(scenario, name))
+    least, most = {"fps": (1, 30), "frames": (1, MAX_FRAMES), "background_frames": (0, 500)}[name]
+    try:
+        number = float(overrides[name])
+        if not math.isfinite(number):
+            raise ValueError
+    except ValueError:
+        raise BenchError(
+            f"{name}: must be a number from {least} to {most}, got {str(overrides[name])[:60]!r}"
+        ) from None
+    if name != "fps" and not number.is_integer():
+        raise BenchError(f"{name}: must be a whole number from {least} to {most}, got {number:g}")
+    if not least <= number <= most:
+        raise BenchError(f"{name}: {number:g} is outside its range {least} to {most}")
+    return number
+
+
+def scene_of(scenario: Scenario, values: Values, extras: Extras = NO_EXTRAS) -> SceneSpec:
+    """The scene of concrete values in SI units."""
+    objects = GESTURES[scenario.motion.kind].objects(values)
+    return SceneSpec(
+        anatomy=person_and_room.anatomy_of(values),
+        appearance=person_and_room.appearance_of(values),
+        room=person_and_room.room_of(values, (*objects, *extras.objects)),
+        rig=cameras.rig_of(values),
+        sensor=cameras.sensor_of(values),
+        clock=cameras.clock_of(values),
+        calibration_error=cameras.calibration_error_of(values),
+    )
+
+
+def in_si(scenario: Scenario, values: Mapping[str, Value]) -> dict[str, Value]:
+    """The same values with every number in the base unit of its kind (m, m/s, s, rad, ...).
+
+    A file becomes its absolute path. Raises BenchError where it is not what it was any more.
+    """
+    converted: dict[str, Value] = {}
+    for name, value in values.items():
+        parameter = scenario.parameters[name]
+        if isinstance(parameter, Numeric):
+            converted[name] = float(value) * UNITS[parameter.unit][1]
+        elif isinstance(value, FileText):
+            converted[name] = str(value.unchanged())
+        else:
+            converted[name] = value
+    return converted
+
+
+def perform(
+    scenario: Scenario, seed: int, overrides: Mapping[str, Value] | None = None
+) -> Performance:
+    """The concrete sequence of a seed.
+
+    A draw that a person could not make (`sim.motion.measure.fault_of`), or whose twin could not be,
+    is thrown away and drawn again: `Performance.redrawn` counts these. Raises BenchError for what
+    cannot be played, Unposable after MAX_DRAWS.
+    """
+    if seed < 0:
+        raise BenchError(f"seed must be 0 or more, got {seed}")
+    overrides = dict(overrides or {})
+    fault: str | None = None
+    for redraw in range(MAX_DRAWS):
+        try:
+            performance = _drawn(scenario, seed, overrides, redraw)
+            for name in scenario.twins:
+                twin = load_scenario(name)
+                shared = {k: v for k, v in overrides.items() if k in (*twin.parameters, *SETTINGS)}
+                _drawn(twin, seed, shared, redraw)
+        except Unposable as reason:
+            fault = fault or str(reason)
+        else:
+            return performance
+    raise Unposable(
+        f"{scenario.name} seed {seed}: none of {MAX_DRAWS} draws can be posed; the first: {fault}"
+    )
+
+
+def _drawn(
+    scenario: Scenario, seed: int, overrides: Mapping[str, Value], redraw: int
+) -> Performance:
+    """One draw as it is. Raises Unposable where a person could not make it."""
+    values = in_si(scenario, concrete(scenario, seed, overrides, redraw))
+    fps = setting_of(scenario, overrides, "fps")
+    frames = int(setting_of(scenario, overrides, "frames"))
+
+    def streams(name: str) -> np.random.Generator:
+        return _stream(scenario, seed, redraw, f"motion/{name}")
+
+    duration_s = max(frames / fps, 1.0)
+    extras = person_and_room.extras_of(values, streams, duration_s)
+    scene = scene_of(scenario, values, extras)
+    stage = Stage(scene=scene, values=values, streams=streams, duration_s=duration_s)
+    plan = GESTURES[scenario.motion.kind].plan(stage)
+    performer = Performer(scene, with_opening(stage, plan, str(values["start"])))
+    # The draw is judged here, not in the middle of a sequence, and alike at any frame rate.
+    moments = min(MOST_JUDGED, math.ceil(JUDGED_HZ * duration_s) + 1)
+    judged = np.linspace(0.0, duration_s, moments)
+    fault = fault_of(performer, judged.tolist())
+    if fault is not None:
+        raise Unposable(fault)
+    return Performance(
+        scene=scene,
+        script=WithExtras(performer, extras) if extras.tracks else performer,
+        frames=frames,
+        fps=fps,
+        background_frames=int(setting_of(scenario, overrides, "background_frames")),
+        seed=seed,
+        learnt=extras.learnt,
+        redrawn=redraw,
+    )

@@ -1,0 +1,90 @@
+"""The shipped scenarios and suites: what there is, and finding one by name or by file."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from functools import lru_cache
+from importlib.resources import files
+from pathlib import Path
+
+from pjpdaf.errors import BenchError
+from scenarios.spec.loader import load_either_file, load_scenario_file, load_suite_file, parse
+from scenarios.spec.parameters import nearest
+from scenarios.spec.scenario import Entry, Scenario, Suite
+
+_SUFFIXES = (".yaml", ".yml")
+
+
+class UnknownName(BenchError):
+    """No shipped thing of this name."""
+
+    def __init__(self, what: str, name: str, known: Collection[str]) -> None:
+        listed = ", ".join(sorted(known))
+        hint = nearest(name, known) or ";"
+        super().__init__(f"no {what} {name[:200]!r}{hint} known: {listed}; or give a .yaml file")
+
+
+def _names(folder: str) -> tuple[str, ...]:
+    entries = (files("scenarios") / folder).iterdir()
+    return tuple(sorted(e.name[: -len(".yaml")] for e in entries if e.name.endswith(".yaml")))
+
+
+def scenario_names() -> tuple[str, ...]:
+    """Names of the shipped scenarios, sorted."""
+    return _names("catalog")
+
+
+def suite_names() -> tuple[str, ...]:
+    """Names of the shipped suites, sorted."""
+    return _names("suites")
+
+
+@lru_cache(maxsize=256)
+def _shipped_scenario(name: str) -> Scenario:
+    text = (files("scenarios") / "catalog" / f"{name}.yaml").read_text(encoding="utf-8")
+    return parse(text, f"catalog/{name}.yaml", Scenario)
+
+
+@lru_cache(maxsize=64)
+def _shipped_suite(name: str) -> Suite:
+    text = (files("scenarios") / "suites" / f"{name}.yaml").read_text(encoding="utf-8")
+    return parse(text, f"suites/{name}.yaml", Suite)
+
+
+def is_path(name: str) -> bool:
+    """Whether a name given by the user means a file."""
+    return name.endswith(_SUFFIXES) or "/" in name or "\\" in name
+
+
+def load_scenario(name: str) -> Scenario:
+    """A scenario by name, or of a YAML file. Raises BenchError."""
+    if is_path(name):
+        return load_scenario_file(Path(name))
+    if name not in scenario_names():
+        raise UnknownName("scenario", name, scenario_names())
+    return _shipped_scenario(name)
+
+
+def load_suite(name: str) -> Suite:
+    """A suite by name, or of a YAML file. Raises BenchError."""
+    if is_path(name):
+        return load_suite_file(Path(name))
+    if name not in suite_names():
+        raise UnknownName("suite", name, suite_names())
+    return _shipped_suite(name)
+
+
+def resolve(name: str) -> Scenario | Suite:
+    """What a word of the command line means: a scenario, a suite, or a file of either."""
+    if is_path(name):
+        return load_either_file(Path(name))
+    if name in scenario_names():
+        return _shipped_scenario(name)
+    if name in suite_names():
+        return _shipped_suite(name)
+    raise UnknownName("scenario or suite", name, (*scenario_names(), *suite_names()))
+
+
+def scenarios_of(suite: Suite) -> tuple[tuple[Entry, Scenario], ...]:
+    """A suite's entries with their scenarios, in order. Raises BenchError for an unknown one."""
+    return tuple((entry, load_scenario(entry.scenario)) for entry in suite.scenarios)

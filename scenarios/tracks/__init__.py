@@ -1,0 +1,1 @@
+"""The verb `score`: tracks of other programs on a data set."""

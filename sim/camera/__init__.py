@@ -1,0 +1,1 @@
+"""The cameras: rendering, rays, sensor, exposure, clock, and the calibration self-test."""

@@ -1,0 +1,1 @@
+"""Recorded motion: clips, their files, and their transfer to another body."""

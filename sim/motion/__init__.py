@@ -1,0 +1,1 @@
+"""Motion in continuous time: strokes, curves, plans of hand paths, and their measurement."""

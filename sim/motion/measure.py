@@ -1,0 +1,284 @@
+"""Measures a performance: is it a motion that a person could make, and how fast is it?"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pjpdaf.arrays import Floats
+from sim.contact.contact import (
+    ALLOWED_PENETRATION_M,
+    POINTS_OF_PART,
+    Penetration,
+    arm_shape,
+    part_name,
+    penetration,
+)
+from sim.contact.solids import Thing
+from sim.motion.motion import Body, Performer, object_at_rest
+from sim.person.kinematics import (
+    MAX_ADDUCTION_RAD,
+    MAX_ELBOW_FLEXION_RAD,
+    MAX_EXTENSION_RAD,
+    MAX_STRETCH,
+    MAX_WRIST_BEND_RAD,
+    Arm,
+    elbow_flexion,
+    shoulder_angles,
+    wrist_bend,
+)
+from sim.pose import SIDES
+from sim.vectors import norm
+
+ALLOWED_SHORT_M = 0.010  # a palm may miss its target by this much
+FASTEST_MPS = 6.0  # no hand of a seated person is faster
+TARGETS = ("head", "right hand", "left hand")
+STEP_S = 1.0 / 3.0  # the thesis's frame
+
+_BEND_SLACK_RAD = math.radians(3.0)  # the wrist's iteration ends within 3 degrees of its limit
+_SLACK_RAD = math.radians(0.5)
+_MOMENT_S = 0.005  # speeds are differences over this
+_BETWEEN = 4  # told speeds are judged over this share of the time between two moments
+# Upright things that a hand cannot go through; the others are small, thin or soft.
+_STANDING = {
+    "post": True,
+    "can": True,
+    "cup": True,
+    "box": False,
+    "block": False,
+    "sheet": False,
+    "book": False,
+}
+
+
+@dataclass(frozen=True)
+class Speeds:
+    """How one target moves. Speeds [m/s]: median, 95 % and greatest. Displacement over 1/3 s [m] at
+    50, 90, 99 % of the moments; what a constant-velocity prediction misses there, at 50 and 90 %.
+    """
+
+    median_mps: float
+    high_mps: float
+    top_mps: float
+    step_m: tuple[float, float, float]
+    missed_m: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Measures:
+    """A performance at a number of moments.
+
+    penetration_m: deepest overlap of each pair of parts, <= 0 is clear. wrist_bend_rad,
+    elbow_flexion_rad, stretch (of upper arm + forearm), short_m: the largest of both arms.
+    extension_rad, adduction_rad: of the upper arms, backward and across the body. hands_gap_m: the
+    least distance of the hands' surfaces, negative where they overlap. speeds: of each target, and
+    of both "hands" together.
+    """
+
+    penetration_m: Mapping[tuple[str, str], float]
+    wrist_bend_rad: float
+    elbow_flexion_rad: float
+    extension_rad: float
+    adduction_rad: float
+    stretch: float
+    short_m: float
+    hands_gap_m: float
+    speeds: Mapping[str, Speeds]
+
+    @property
+    def deepest(self) -> tuple[str, str]:
+        """The pair of parts that overlaps most."""
+        return max(self.penetration_m, key=self.penetration_m.__getitem__)
+
+    @property
+    def deepest_m(self) -> float:
+        """Its overlap."""
+        return self.penetration_m[self.deepest]
+
+
+def things_in_the_way(performer: Performer) -> tuple[Thing, ...]:
+    """What stands in the room and is never held: a hand must not go through it."""
+    held = {hold.name for hold in performer.plan.holds}
+    room = performer.scene.room
+    return tuple(
+        Thing(
+            thing.name,
+            thing.size_m,
+            object_at_rest(room, thing.name).position_m,
+            thing.yaw_rad,
+            round=_STANDING[thing.kind],
+        )
+        for thing in room.objects
+        if thing.name not in held and thing.kind in _STANDING
+    )
+
+
+def overlaps_of(performer: Performer, body: Body, things: Sequence[Thing]) -> Penetration:
+    """How deep the arms are in anything: the body, the other arm, the table, the things."""
+    anatomy, curls = performer.scene.anatomy, body.curls
+    found = penetration(anatomy, body.arms, curls, performer.obstacles(body.torso, body.head))
+    if not things:
+        return found
+    pairs = dict(found.pairs)
+    for side, arm in enumerate(body.arms):
+        shape = arm_shape(anatomy, side, curls[side])
+        points = shape.points(arm)
+        for thing in things:
+            for part, chosen in enumerate(POINTS_OF_PART):
+                depth = thing.depth_m(points[chosen], shape.point_radii_m[chosen])
+                pairs[part_name(side, part), thing.name] = depth
+    return Penetration(pairs)
+
+
+def _limits(performer: Performer, body: Body, side: int) -> tuple[tuple[str, float, float], ...]:
+    """(joint, angle, greatest angle) [rad] of an arm."""
+    arm = body.arms[side]
+    extension, adduction = shoulder_angles(side, body.torso.rotation, arm)
+    return (
+        ("wrist bends", wrist_bend(arm), MAX_WRIST_BEND_RAD + _BEND_SLACK_RAD),
+        ("elbow bends", elbow_flexion(arm), MAX_ELBOW_FLEXION_RAD + _SLACK_RAD),
+        ("upper arm goes backward", extension, MAX_EXTENSION_RAD + _SLACK_RAD),
+        ("upper arm goes across the body", adduction, MAX_ADDUCTION_RAD + _SLACK_RAD),
+    )
+
+
+def _stretch(performer: Performer, arm: Arm) -> float:
+    anatomy = performer.scene.anatomy
+    return norm(arm.wrist_m - arm.shoulder_m) / (anatomy.upper_arm_m + anatomy.forearm_m)
+
+
+def fault_of(performer: Performer, times_s: Iterable[float]) -> str | None:
+    """Why a person could not do what the performer shows at these times, None where all is well.
+
+    Judged: parts inside one another, joints past their range, palms short of their targets, speed.
+    """
+    times = sorted(times_s)
+    fault = _too_fast(performer, times)
+    if fault is not None:
+        return fault
+    things = things_in_the_way(performer)
+    for t_s in times:
+        fault = _fault_at(performer, performer.body(t_s), things)
+        if fault is not None:
+            return f"at {t_s:.2f} s {fault}"
+    return None
+
+
+def _fault_at(performer: Performer, body: Body, things: Sequence[Thing]) -> str | None:
+    overlap = overlaps_of(performer, body, things)
+    if overlap.worst_m > ALLOWED_PENETRATION_M:
+        part, other = overlap.worst
+        return (
+            f"the {part} is {1000 * overlap.worst_m:.1f} mm in the {other} (allowed "
+            f"{1000 * ALLOWED_PENETRATION_M:.0f} mm): use another seed, or move the paths apart"
+        )
+    for side, arm in enumerate(body.arms):
+        for what, angle, most in _limits(performer, body, side):
+            if angle > most:
+                return (
+                    f"the {SIDES[side]} {what} by {math.degrees(angle):.0f} degrees "
+                    f"(at most {math.degrees(most):.0f})"
+                )
+        stretch = _stretch(performer, arm)
+        if stretch > MAX_STRETCH + 1e-6:
+            return f"the {SIDES[side]} arm is stretched to {stretch:.3f} of its length"
+        if arm.short_m > ALLOWED_SHORT_M:
+            return (
+                f"the {SIDES[side]} palm stays {1000 * arm.short_m:.0f} mm short of its target "
+                f"(allowed {1000 * ALLOWED_SHORT_M:.0f} mm): use another seed, or bring it nearer"
+            )
+    return None
+
+
+def _too_fast(performer: Performer, times: Sequence[float]) -> str | None:
+    """Told speeds are judged between the moments too: a stroke may lie between two frames."""
+    if not times:
+        return None
+    fine = np.interp(
+        np.arange((len(times) - 1) * _BETWEEN + 1) / _BETWEEN, np.arange(len(times)), times
+    )
+    for side, hand in enumerate(performer.plan.hands):
+        path = np.array([hand.at(t_s).position_m for t_s in fine.tolist()])
+        speeds = np.linalg.norm(np.diff(path, axis=0), axis=1) / np.maximum(np.diff(fine), 1e-9)
+        if len(speeds) and speeds.max() > FASTEST_MPS:
+            worst = int(speeds.argmax())
+            return (
+                f"at {fine[worst]:.2f} s the {SIDES[side]} hand moves at {speeds[worst]:.1f} m/s "
+                f"(at most {FASTEST_MPS:g} m/s)"
+            )
+    return None
+
+
+def measure(performer: Performer, times_s: Iterable[float]) -> Measures:
+    """All figures of a performance at these moments. Raises ValueError where there are none."""
+    times = sorted(times_s)
+    if not times:
+        raise ValueError("measure needs at least one moment")
+    things = things_in_the_way(performer)
+    bodies = _each_once(performer)
+    deepest: dict[tuple[str, str], float] = {}
+    angles: list[list[float]] = []
+    stretch = short = 0.0
+    hands = -math.inf
+    for t_s in times:
+        body = bodies(t_s)
+        overlap = overlaps_of(performer, body, things)
+        for pair, depth in overlap.pairs.items():
+            deepest[pair] = max(deepest.get(pair, -math.inf), depth)
+        hands = max(hands, overlap.hands_m)
+        for side, arm in enumerate(body.arms):
+            angles.append([angle for _, angle, _ in _limits(performer, body, side)])
+            stretch = max(stretch, _stretch(performer, arm))
+            short = max(short, arm.short_m)
+    bend, flexion, extension, adduction = np.max(angles, axis=0).tolist()
+    return Measures(
+        penetration_m=deepest,
+        wrist_bend_rad=bend,
+        elbow_flexion_rad=flexion,
+        extension_rad=extension,
+        adduction_rad=adduction,
+        stretch=stretch,
+        short_m=short,
+        hands_gap_m=-hands,
+        speeds=_speeds(bodies, times),
+    )
+
+
+def _each_once(performer: Performer) -> Callable[[float], Body]:
+    """The performer's bodies, each moment posed once."""
+    known: dict[float, Body] = {}
+
+    def body(t_s: float) -> Body:
+        key = round(t_s, 6)
+        if key not in known:
+            known[key] = performer.body(key)
+        return known[key]
+
+    return body
+
+
+def _speeds(bodies: Callable[[float], Body], times: Sequence[float]) -> dict[str, Speeds]:
+    def at(t_s: float) -> Floats:
+        body = bodies(t_s)
+        return np.array([body.head.position_m, *(arm.palm_m for arm in body.arms)])
+
+    here = np.array([at(t) for t in times])
+    soon = np.array([at(t + _MOMENT_S) for t in times])
+    speeds = np.linalg.norm(soon - here, axis=2) / _MOMENT_S
+    # Steps end within the performance.
+    starts = [t for t in times if t + 2 * STEP_S <= times[-1] + 1e-6] or [times[0]]
+    first, second, third = (np.array([at(t + k * STEP_S) for t in starts]) for k in range(3))
+    steps = np.linalg.norm(second - first, axis=2)
+    missed = np.linalg.norm(third - 2.0 * second + first, axis=2)
+    which = {name: [index] for index, name in enumerate(TARGETS)} | {"hands": [1, 2]}
+    found = {}
+    for name, columns in which.items():
+        median, high = np.quantile(speeds[:, columns], (0.5, 0.95)).tolist()
+        s50, s90, s99 = np.quantile(steps[:, columns], (0.5, 0.9, 0.99)).tolist()
+        m50, m90 = np.quantile(missed[:, columns], (0.5, 0.9)).tolist()
+        top = float(speeds[:, columns].max())
+        found[name] = Speeds(median, high, top, (s50, s90, s99), (m50, m90))
+    return found

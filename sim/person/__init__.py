@@ -1,0 +1,1 @@
+"""The seated person: body, head and hands as surfaces, and the kinematics of the arms."""

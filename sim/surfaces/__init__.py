@@ -1,0 +1,1 @@
+"""Surfaces as triangle meshes, their textures, and the assets of a MuJoCo model."""

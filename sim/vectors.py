@@ -1,0 +1,65 @@
+"""Vectors and rotations of single points, faster than numpy's general functions."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from pjpdaf.arrays import Floats
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """a x b for (3,) arrays; ten times faster than `numpy.cross` for a single pair."""
+    a0, a1, a2 = a.tolist()
+    b0, b1, b2 = b.tolist()
+    return np.array([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0])
+
+
+def norm(a: Floats) -> float:
+    """Length of a (3,) array."""
+    x, y, z = a.tolist()
+    return math.sqrt(x * x + y * y + z * z)
+
+
+def about_x(angle_rad: float) -> Floats:
+    """Rotation (3, 3) about x."""
+    c, s = math.cos(angle_rad), math.sin(angle_rad)
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+
+
+def about_y(angle_rad: float) -> Floats:
+    """Rotation (3, 3) about y; positive turns x down (-z) and z forward (+x)."""
+    c, s = math.cos(angle_rad), math.sin(angle_rad)
+    return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+
+
+def about_z(angle_rad: float) -> Floats:
+    """Rotation (3, 3) about z; positive turns x to the person's left (+y)."""
+    c, s = math.cos(angle_rad), math.sin(angle_rad)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def about(axis: Floats, angle_rad: float) -> Floats:
+    """Rotation (3, 3) by angle_rad about a unit axis (3,) (Rodrigues)."""
+    x, y, z = axis.tolist()
+    c, s = math.cos(angle_rad), math.sin(angle_rad)
+    v = 1.0 - c
+    return np.array(
+        [
+            [c + x * x * v, x * y * v - z * s, x * z * v + y * s],
+            [y * x * v + z * s, c + y * y * v, y * z * v - x * s],
+            [z * x * v - y * s, z * y * v + x * s, c + z * z * v],
+        ]
+    )
+
+
+def bone_frame(start_m: Floats, end_m: Floats) -> Floats:
+    """Rotation (3, 3) with +x from start to end and z as far up as x lets it."""
+    x = (end_m - start_m) / norm(end_m - start_m)
+    # Level, so that z is as far up as can be; exact for bones that are nearly upright.
+    flat = math.hypot(x[0], x[1])
+    y = np.array([-x[1], x[0], 0.0]) / flat if flat >= 1e-6 else np.array([0.0, 1.0, 0.0])
+    y = y - (y @ x) * x
+    y = y / norm(y)
+    return np.column_stack([x, y, cross(x, y)])

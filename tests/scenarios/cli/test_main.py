@@ -1,0 +1,156 @@
+"""The command as users start it: real processes, real exit codes, one line a fault."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from scenarios.cli.main import main
+from scenarios.spec.names import scenario_names
+
+COMMAND = (sys.executable, "-m", "scenarios")
+ROOT = Path(__file__).parents[3]
+
+
+def bench(*words, cwd=ROOT, **environment):
+    env = {k: v for k, v in os.environ.items() if k != "MUJOCO_GL"} | environment
+    env["PYTHONPATH"] = str(ROOT)
+    return subprocess.run(
+        [*COMMAND, *map(str, words)], cwd=cwd, env=env, capture_output=True, text=True, check=False
+    )
+
+
+def in_this_process(monkeypatch, capsys, *words):
+    """The same without the two seconds in which a new process loads everything."""
+    monkeypatch.setattr(sys, "argv", ["pjpdaf-bench", *map(str, words)])
+    with pytest.raises(SystemExit) as end:
+        main()
+    said = capsys.readouterr()
+    return subprocess.CompletedProcess(words, end.value.code, said.out, said.err)
+
+
+def assert_one_line(done, code, *fragments):
+    assert done.returncode == code, done.stderr
+    assert "Traceback" not in done.stderr
+    lines = done.stderr.strip().splitlines()
+    assert len(lines) == 1, done.stderr
+    for fragment in fragments:
+        assert fragment in lines[0], lines[0]
+
+
+@pytest.mark.parametrize(
+    ("words", "fragments"),
+    [
+        (("run", "dirnk"), ("dirnk", "did you mean drink?")),
+        (("run", "--preset", "thesiss"), ("thesiss", "Did you mean 'thesis'?")),
+        (("run", "cross", "--set", "speeed=0.3"), ("speeed", "did you mean speed?")),
+        (("run", "cross", "--set", "speed=9"), ("speed", "9", "0.1 to 0.6 m/s")),
+        (("run", "cross", "--set", "speed=3 kg"), ("speed", "m/s", "kg")),
+        (("run", "cross", "--set", "speed"), ("KEY=VALUE",)),
+        (("run", "cross", "--set", "speed=.2", "--set", "speed=.3"), ("speed", "twice")),
+        (("run", "cross", "--set", "tracker.p_detekt=.5"), ("p_detekt", "p_detect")),
+        (("run", "cross", "--set", "tracker.p_detect=2"), ("p_detect", "2")),
+        (("run", "cross", "cross"), ("cross", "twice")),
+        (("run", "--seeds", "0"), ("--seeds", "0")),
+        (("run", "--seeds", "-3"), ("--seeds", "-3")),
+        (("run", "--jobs", "0"), ("--jobs", "0")),
+        (("run", "--jobs", "-2"), ("--jobs", "-2")),
+        (("run", "--jobs", "1000000"), ("--jobs", "1000000")),
+        (("run", "--tracker", "nowhere:make"), ("nowhere",)),
+        (("run", "missing.yaml"), ("missing.yaml",)),
+        (("report", "nowhere"), ("nowhere", "no such run")),
+        (("scenarios", "show", "crss"), ("crss", "did you mean cross?")),
+    ],
+    ids=lambda value: "-".join(value)[:40],
+)
+def test_bad_input_is_one_line_and_exit_code_2(words, fragments, monkeypatch, capsys):
+    assert_one_line(in_this_process(monkeypatch, capsys, *words), 2, *fragments)
+
+
+def test_a_process_of_its_own_says_the_same():
+    assert_one_line(bench("run", "dirnk"), 2, "dirnk", "did you mean drink?")
+
+
+def test_a_fault_in_a_yaml_file_has_line_and_column(tmp_path, monkeypatch, capsys):
+    text = (ROOT / "scenarios/catalog/cross.yaml").read_text()
+    file = tmp_path / "mine.yaml"
+    file.write_text(text.replace("frames: 54", "framez: 48"))
+    line = text[: text.index("frames: 54")].count("\n") + 1
+    done = in_this_process(monkeypatch, capsys, "run", file)
+    assert_one_line(done, 2, f"mine.yaml:{line}:1: framez: no such field; did you mean frames?")
+
+
+def test_an_existing_folder_is_not_overwritten(tmp_path, monkeypatch, capsys):
+    (tmp_path / "keep").write_text("mine")
+    done = in_this_process(monkeypatch, capsys, "run", "cross", "--out", tmp_path)
+    assert_one_line(done, 2, str(tmp_path), "not empty")
+    assert (tmp_path / "keep").read_text() == "mine"
+
+
+def test_a_file_as_output_folder(tmp_path, monkeypatch, capsys):
+    file = tmp_path / "file"
+    file.write_text("mine")
+    done = in_this_process(monkeypatch, capsys, "run", "cross", "--out", file)
+    assert_one_line(done, 2, "file")
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_an_unwritable_folder(tmp_path):
+    tmp_path.chmod(0o555)
+    assert_one_line(bench("run", "cross", "--out", tmp_path / "run"), 2, "not writable")
+
+
+@pytest.mark.parametrize("value", ["potato", "glfw", "egl2"])
+def test_a_broken_mujoco_gl_is_one_line_and_exit_code_5(value, tmp_path):
+    done = bench("run", "cross", "--seeds", "1", "--out", tmp_path / "run", MUJOCO_GL=value)
+    assert_one_line(done, 5, "MUJOCO_GL", value)
+
+
+def test_doctor_is_content_here_and_not_with_a_broken_mujoco_gl():
+    good = bench("doctor")
+    assert good.returncode == 0, good.stdout
+    assert "self-test" in good.stdout
+    assert "FAIL" not in good.stdout
+    bad = bench("doctor", MUJOCO_GL="potato")
+    assert bad.returncode == 5
+    assert "FAIL" in bad.stdout
+    assert "potato" in bad.stdout
+
+
+def test_scenarios_list_show_validate_schema(tmp_path, monkeypatch, capsys):
+    def bench(*words):
+        return in_this_process(monkeypatch, capsys, *words)
+
+    listed = bench("scenarios", "list").stdout
+    for name in ("calm_table", "drink", "cross", "bounce", "speed_ladder", "smoke"):
+        assert name in listed
+    shown = bench("scenarios", "show", "cross", "--seed", "3").stdout
+    assert "depth_gap" in shown
+    assert "seed 3" in shown
+    suite = bench("scenarios", "show", "core").stdout
+    assert "digest: " in suite
+    assert "drink+beard_glasses" in suite
+    dim = bench("scenarios", "show", "cross", "--set", "light_gain=0.31").stdout
+    assert "0.31" in dim
+    good = bench("scenarios", "validate", *sorted((ROOT / "scenarios/catalog").glob("*.yaml")))
+    assert good.returncode == 0
+    assert good.stdout.count(": ok") == len(scenario_names())
+    bad = tmp_path / "bad.yaml"
+    bad.write_text("name: [")
+    assert bench("scenarios", "validate", bad).returncode == 2
+    assert '"properties"' in bench("scenarios", "schema").stdout
+
+
+def test_help_loads_nothing_heavy():
+    code = (
+        "import sys; import scenarios.cli.main;"
+        "heavy = {'numpy', 'cv2', 'mujoco', 'pandas', 'scipy', 'plotly', 'pydantic'};"
+        "assert not heavy & set(sys.modules), heavy & set(sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
+    helped = bench("run", "--help")
+    assert helped.returncode == 0
+    for option in ("--seeds", "--preset", "--detector", "--tracker", "--set", "--jobs", "--out"):
+        assert option in helped.stdout

@@ -1,0 +1,204 @@
+"""Escalation on real, small runs: the reserve is played, joined and judged."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from reports.gate.gate import compare
+from reports.gate.pairing import NotComparable
+from reports.run.results import load
+from scenarios.execute.episodes import play_all
+from scenarios.play.play import digest_of
+from scenarios.run.compare import CompareRequest, compare_runs
+from scenarios.run.escalate import (
+    FIRST_RESERVE_SEED,
+    LOOKS,
+    ROUNDS,
+    CannotEscalate,
+    by_hand,
+    escalate,
+    planned,
+    play_round,
+    refusal,
+    request_of,
+    reserve_jobs,
+    same_episode,
+)
+from scenarios.run.run import RunRequest, plan, record
+
+
+def asked(*settings, targets=("cross",), seeds=2, first_seed=100):
+    return RunRequest(
+        targets=targets,
+        seeds=seeds,
+        preset="thesis",
+        detector="thesis",
+        tracker="thesis",
+        settings=("frames=8", *settings),
+        jobs=None,
+        out=None,
+        argv=(),
+        first_seed=first_seed,
+    )
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("reserve")
+    found = []
+    for name, settings in {"base": (), "new": ("tracker.measurement_px2=1e7",)}.items():
+        request = asked(*settings)
+        jobs = plan(request)
+        found.append(record(request, jobs, play_all(jobs, 2), folder / name))
+    return found
+
+
+def test_a_run_says_all_that_is_needed_to_go_on_with_it(runs):
+    for run in runs:
+        again = load(run.folder)
+        assert replace(request_of(again), slim=False) == asked(
+            *again.meta["request"]["settings"][1:]
+        )
+        jobs = planned(again)
+        assert [job.seed for job in jobs] == [100, 101]
+        assert jobs[0].system.tracker_settings == dict(
+            pair.removeprefix("tracker.").split("=")
+            for pair in again.meta["request"]["settings"][1:]
+        )
+
+
+def test_the_reserve_is_new_seeds_in_the_sizes_that_were_fixed(runs):
+    jobs = planned(runs[0])
+    seeds = [[job.seed - FIRST_RESERVE_SEED for job in reserve_jobs(jobs, k)] for k in range(3)]
+    assert seeds == [[0, 1], [2, 3, 4, 5], [6, 7, 8, 9, 10, 11, 12, 13]]
+    assert ROUNDS == (1, 2, 4)
+    assert LOOKS == 4
+    assert not any(job.keep_pictures for job in reserve_jobs(jobs, 0))
+
+
+def test_scenarios_of_a_suite_keep_their_own_number_of_seeds():
+    jobs = plan(asked(targets=("cross", "drink"), seeds=1, first_seed=0))
+    mixed = [*jobs, replace(jobs[0], seed=1), replace(jobs[0], seed=2)]
+    found = [(job.name, job.seed - FIRST_RESERVE_SEED) for job in reserve_jobs(mixed, 1)]
+    assert found == [*(("cross", k) for k in range(3, 9)), ("drink", 1), ("drink", 2)]
+
+
+def test_a_round_is_played_for_both_saved_and_joined(runs, tmp_path):
+    plans = [planned(run) for run in runs]
+    done = []
+    grown = play_round(
+        runs, plans, 0, 2, tmp_path, lambda number, episodes: lambda row: done.append(episodes)
+    )
+    assert done == [4] * 4
+    for run, name in zip(grown, ("base", "new"), strict=True):
+        assert run.meta["scenarios"][0]["seeds"] == [100, 101, 1_000_000, 1_000_001]
+        assert len(run.episodes) == 4 * 3
+        saved = load(tmp_path / f"{name}-1")
+        assert saved.slim
+        assert saved.meta["request"]["targets"] == ["cross"]
+    verdict = compare(*grown, looks=LOOKS)
+    assert verdict.episodes == 4
+    assert verdict.alpha == 0.05 / 4
+    # The same seeds in both: the reserve can be paired.
+    assert compare(grown[0], grown[0]).identical
+    with pytest.raises(NotComparable, match="lacks 2 of 4"):
+        compare(runs[0], grown[1])
+
+
+def test_an_episode_played_again_is_recognised_and_another_is_not(runs):
+    job = planned(runs[0])[0]
+    (row,) = play_all([job], 1).rows
+    assert same_episode(runs[0], row)
+    assert not same_episode(runs[1], row)
+
+
+def with_provenance(run, **changes):
+    made = {**run.meta["provenance"], "commit": "a" * 40, "dirty": False, **changes}
+    return replace(run, meta={**run.meta, "provenance": made})
+
+
+def test_only_the_very_code_that_made_both_runs_goes_on_with_them(runs):
+    base, new = (with_provenance(run) for run in runs)
+    here = base.meta["provenance"]
+    assert refusal(base, new, here) == ""
+    reason = refusal(with_provenance(base, commit="b" * 40), new, here)
+    assert reason.endswith("was made by commit bbbbbbbbbbbb, this is aaaaaaaaaaaa")
+    assert "not committed" in refusal(base, with_provenance(new, dirty=True), here)
+    assert refusal(base, new, {**here, "dirty": True}).startswith("this checkout has changes")
+    older = {**here["versions"], "mujoco": "3.0"}
+    assert "made with mujoco 3.0" in refusal(with_provenance(base, versions=older), new, here)
+    installed = {**here, "commit": None, "dirty": None}
+    pair = [with_provenance(run, commit=None, dirty=None) for run in runs]
+    assert refusal(*pair, installed) == ""
+    unknown = replace(base, meta={**base.meta, "request": {}})
+    assert "does not say how it was started" in refusal(unknown, new, here)
+
+
+def test_what_cannot_be_continued_says_how_to_do_it_by_hand(runs):
+    assert by_hand(runs[1], "so it is") == (
+        "inconclusive, and the reserve cannot be played here: so it is; play it with each of the "
+        "two versions and compare these runs: pjpdaf-bench run cross --set frames=8 "
+        "--set tracker.measurement_px2=1e7 --first-seed 1000000 --seeds 14 --slim --out DIR"
+    )
+    other = [{**one, "digests": ["x", "y"]} for one in runs[0].meta["scenarios"]]
+    with pytest.raises(CannotEscalate, match="have changed") as caught:
+        planned(replace(runs[0], meta={**runs[0].meta, "scenarios": other}))
+    assert caught.value.exit_code == 3
+
+
+def test_the_digests_of_the_reserve_do_not_depend_on_the_system(runs):
+    jobs = [reserve_jobs(planned(run), 0) for run in runs]
+    assert [digest_of(job) for job in jobs[0]] == [digest_of(job) for job in jobs[1]]
+
+
+def test_the_verb_says_what_it_cannot_do_and_stays_inconclusive(runs, tmp_path, capsys):
+    file = runs[0].folder / "run.json"
+    text = file.read_text()
+    commit = runs[0].meta["provenance"]["commit"]
+    try:
+        old = f'"commit": {json.dumps(commit)}'
+        assert old in text
+        file.write_text(text.replace(old, '"commit": "abc"'))
+        code = compare_runs(verb(runs, tmp_path))
+    finally:
+        file.write_text(text)
+    said = capsys.readouterr()
+    assert code == 3
+    start = "pjpdaf-bench: inconclusive, and the reserve cannot be played here: "
+    assert said.err.strip().startswith(start)
+    assert "was made by commit abc" in said.err
+    assert "inconclusive: " in said.out
+    assert not (tmp_path / "reserve").exists()
+
+
+def verb(runs, out):
+    return CompareRequest(
+        base=runs[0].folder,
+        new=runs[1].folder,
+        margins_file=None,
+        margins=(),
+        out=out,
+        escalate=True,
+        jobs=2,
+        argv=(),
+    )
+
+
+@pytest.mark.long  # 28 episodes
+def test_the_reserve_decides_what_two_seeds_cannot(runs, tmp_path):
+    base, new = (with_provenance(run) for run in runs)
+    here = base.meta["provenance"]
+    rounds = []
+
+    def on_round(number, episodes):
+        rounds.append(episodes)
+        return lambda row: None
+
+    assert compare(base, new, looks=LOOKS).verdict == "inconclusive"
+    verdict = escalate(base, new, {}, 4, tmp_path, on_round, here)
+    assert rounds == [4, 8, 16][: len(rounds)]
+    assert verdict.episodes == 2 + sum(rounds) // 2
+    assert verdict.looks == LOOKS
+    assert verdict.verdict != "inconclusive" or len(rounds) == 3
+    assert len(list(tmp_path.iterdir())) == 2 * len(rounds)

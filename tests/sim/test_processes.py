@@ -1,0 +1,134 @@
+"""Workers that are killed, hang, or raise; the rest go on."""
+
+import multiprocessing
+import os
+import random
+import signal
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from sim.processes import ATTEMPTS, Answer, Lost, Workers
+
+
+def outcomes(function, tasks, workers=2, limit_s=60.0, **words):
+    with Workers(workers) as pool:
+        found = [one for one in pool.outcomes(function, tasks, limit_s, **words) if one]
+    assert not multiprocessing.active_children()
+    return dict(found)
+
+
+def double(x):
+    return 2 * x
+
+
+def dies(x):
+    if x == 1:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return 2 * x
+
+
+def dies_once(path):
+    if not Path(path).exists():
+        Path(path).touch()
+        os._exit(3)
+    return "again"
+
+
+def hangs(x):
+    time.sleep(1000 if x == 1 else 0)
+    return x
+
+
+def fails(x):
+    if x == 1:
+        raise KeyError("one")
+    return x
+
+
+def cannot_be_sent(x):
+    return lambda: x
+
+
+def pid(x):
+    return os.getpid()
+
+
+def slow_and_large(x):
+    time.sleep(0.02)
+    return bytes([x]) * 3_000_000
+
+
+def starts_a_process(x):
+    child = multiprocessing.get_context("spawn").Process(target=double, args=(1,))
+    child.start()
+    child.join()
+    return child.exitcode
+
+
+def test_every_task_has_its_answer():
+    tasks = {7 * n: n for n in range(9)}
+    assert outcomes(double, tasks) == {7 * n: Answer(2 * n) for n in range(9)}
+
+
+def test_a_task_that_kills_its_worker_is_lost_and_the_others_are_not():
+    found = outcomes(dies, {n: n for n in range(5)})
+    assert found.pop(1) == Lost(late=False, attempts=ATTEMPTS, exit_code=-signal.SIGKILL)
+    assert found == {n: Answer(2 * n) for n in (0, 2, 3, 4)}
+
+
+def test_a_task_whose_worker_died_is_done_again(tmp_path):
+    assert outcomes(dies_once, {0: str(tmp_path / "mark")}) == {0: Answer("again")}
+    mark = str(tmp_path / "other")
+    once = outcomes(dies_once, {0: mark}, attempts=1)
+    assert once == {0: Lost(late=False, attempts=1, exit_code=3)}
+
+
+def test_a_task_that_hangs_is_late_and_the_others_are_not():
+    found = outcomes(hangs, {n: n for n in range(4)}, limit_s=3.0)
+    assert found.pop(1).late
+    assert found == {n: Answer(n) for n in (0, 2, 3)}
+
+
+def test_what_a_task_raises_comes_out():
+    with pytest.raises(KeyError, match="one"):
+        outcomes(fails, {n: n for n in range(4)})
+    with pytest.raises(RuntimeError, match="its answer cannot be sent"):
+        outcomes(cannot_be_sent, {0: 0})
+    assert not multiprocessing.active_children()
+
+
+def test_a_worker_is_replaced_after_so_many_tasks():
+    with Workers(1, tasks_each=2) as pool:
+        found = [one for one in pool.outcomes(pid, dict.fromkeys(range(6)), 60.0) if one]
+    pids = [said.value for _, said in found]
+    assert len(set(pids)) == 3
+    assert all(pids.count(one) == 2 for one in pids)
+
+
+def test_a_task_may_start_processes_of_its_own():
+    assert outcomes(starts_a_process, {0: 0}) == {0: Answer(0)}
+
+
+def test_workers_killed_at_random_moments_lose_no_answer():
+    """While they start, wait, work, and in the middle of their answers."""
+    rng, over = random.Random(1), threading.Event()
+
+    def killer():
+        while not over.wait(rng.uniform(0.05, 0.5)):
+            children = multiprocessing.active_children()
+            if children:
+                rng.choice(children).kill()
+
+    thread = threading.Thread(target=killer)
+    with Workers(2) as pool:
+        thread.start()
+        try:
+            tasks = {n: n for n in range(60)}
+            found = dict(o for o in pool.outcomes(slow_and_large, tasks, 60.0, attempts=99) if o)
+        finally:
+            over.set()
+            thread.join()
+    assert found == {n: Answer(bytes([n]) * 3_000_000) for n in range(60)}

@@ -1,0 +1,63 @@
+"""A small real data set, made once for all test processes."""
+
+import shutil
+
+import pytest
+from shared import shared
+
+from scenarios.spec.draw import perform
+from scenarios.spec.names import load_scenario
+from sim.dataset.layout import LABELS, sequence_name
+from sim.dataset.manifest import Entry, manifest_record, write_manifest
+from sim.dataset.writer import write_sequence
+from sim.sequence import Simulation
+
+# Hands that merge; a lens, lost pictures and a wrong calibration; a hand that leaves the view.
+SEQUENCES = (
+    ("cross", 101, {"frames": 6, "background_frames": 2}),
+    (
+        "drink",
+        102,
+        {
+            "frames": 4,
+            "background_frames": 1,
+            "lens_k1": -0.15,
+            "lens_k2": 0.03,
+            "dropped": 10,
+            "calibration_baseline": 2.0,
+        },
+    ),
+    ("leave_view", 103, {"frames": 5, "background_frames": 1}),
+)
+
+
+def make(root):
+    folder = root / "set"
+    folder.mkdir()
+    entries = []
+    for index, (name, seed, overrides) in enumerate(SEQUENCES):
+        scenario = load_scenario(name)
+        target = folder / sequence_name(index)
+        target.mkdir()
+        with Simulation(perform(scenario, seed, overrides)) as simulation:
+            write_sequence(simulation, target, tuple(LABELS), {"test": name})
+        entries.append(
+            Entry(
+                target.name, name, name, scenario.group, seed, "", f"{seed}", overrides["frames"], 3
+            )
+        )
+    settings = {"labels": list(LABELS), "size": None}
+    write_manifest(folder, manifest_record(entries, settings, {}, complete=True))
+
+
+@pytest.fixture(scope="session")
+def dataset_made(tmp_path_factory):
+    """Folder of a data set with all labels; read only, copy it to change it."""
+    return shared(tmp_path_factory, "dataset", make) / "set"
+
+
+@pytest.fixture
+def dataset_copy(dataset_made, tmp_path):
+    """A copy that a test may damage."""
+    shutil.copytree(dataset_made, tmp_path / "copy")
+    return tmp_path / "copy"
