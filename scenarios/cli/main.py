@@ -238,9 +238,9 @@ def report(
             raise BenchError("--rerun takes one run, and goes without --out.")
         from reports.page.rerun import write_rerun
         from reports.run.results import load
-        from scenarios.catalogue.film import told_of_signals
+        from scenarios.console.interrupts import unwritten_if_interrupted
 
-        with told_of_signals(rerun):
+        with unwritten_if_interrupted(rerun):
             typer.echo(f"recording: {write_rerun(load(runs[0]), rerun)}")
         return
     from scenarios.run.run import remake_report
@@ -526,13 +526,14 @@ def scenarios_schema() -> None:
 
 
 class _Stream:
-    """Standard output or error that outlives its reader (| head).
+    """Standard output or error that outlives its reader (| head, a terminal that is closed).
 
     What nobody reads is thrown away; the work goes on to its end and keeps its exit code.
     """
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
+        self._terminal = stream.isatty()
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)
@@ -540,17 +541,20 @@ class _Stream:
     def write(self, text: str) -> int:
         try:
             return self._stream.write(text)
-        except BrokenPipeError:
-            self._turn_away()
+        except OSError as fault:
+            self._turn_away(fault)
             return len(text)
 
     def flush(self) -> None:
         try:
             self._stream.flush()
-        except BrokenPipeError:
-            self._turn_away()
+        except OSError as fault:
+            self._turn_away(fault)
 
-    def _turn_away(self) -> None:
+    def _turn_away(self, fault: OSError) -> None:
+        hung_up = self._terminal and fault.errno == errno.EIO
+        if not isinstance(fault, BrokenPipeError) and not hung_up:
+            raise fault
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, self._stream.fileno())
         os.close(nowhere)
