@@ -184,7 +184,8 @@ def baseline(
     replace: Annotated[bool, typer.Option("--replace", help="A run may lie there.")] = False,
 ) -> None:
     """Keep of a saved run only what `compare` needs, small enough for git."""
-    from reports.run.results import load, save_slim
+    from reports.run.load import load
+    from reports.run.save import save_slim
 
     typer.echo(f"baseline: {save_slim(load(run_folder), out, force=replace)}")
 
@@ -237,7 +238,7 @@ def report(
         if len(runs) != 1 or out is not None:
             raise BenchError("--rerun takes one run, and goes without --out.")
         from reports.page.rerun import write_rerun
-        from reports.run.results import load
+        from reports.run.load import load
         from scenarios.catalogue.film import told_of_signals
 
         with told_of_signals(rerun):
