@@ -17,8 +17,9 @@ from pjpdaf.interfaces import Detections, Estimates
 from pjpdaf.targets import TARGETS
 from reports.page.page import write_page
 from reports.pictures.overlay import overlay_jpeg
-from reports.run.results import RunInfo, check_free, load, save
+from reports.run.load import load
 from reports.run.rows import EpisodeRows, rows_of
+from reports.run.save import RunInfo, check_free, save
 from reports.score.records import Episode, FrameOutcome, Picture
 from reports.summary.tables import count, rich_table, summarise
 from scenarios.console.progress import progress_bar

@@ -14,8 +14,10 @@ import pytest
 import sim.dataset
 from pjpdaf.errors import BenchError
 from reports.gate.gate import compare
-from reports.run.results import RunInfo, load, save, tables_of
+from reports.run.load import load
 from reports.run.rows import rows_of
+from reports.run.save import RunInfo, save
+from reports.run.tables import tables_of
 from scenarios.play.play import Job, System, digest_of, play
 from scenarios.play.recipe import Recipe, Settings
 from scenarios.run.run import RunRequest, entry_of, plan
