@@ -43,8 +43,8 @@ class PlugInFault(Exception):
 def _unpickled(whole: bytes, line: str, exit_code: int) -> BenchError:
     if whole:
         try:
-            kind, arguments, fields = pickle.loads(whole)
-            return _restored(kind, arguments, fields)
+            error: BenchError = _restored(*pickle.loads(whole))
+            return error
         except Exception:  # a class that is not importable here, a field that cannot be built
             pass
     plain = BenchError(line)
