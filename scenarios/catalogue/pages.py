@@ -140,7 +140,7 @@ def draw(scenario: Scenario) -> Picture:
     step = -(-performance.frames // MOST_LOOKED_AT)
     seen = list(truths(performance, range(0, performance.frames, step)))
     with Simulation(performance) as simulation:
-        shot = simulation.shot(telling(seen).index)
+        shot = simulation.render(telling(seen).index)
         large, small = (
             thumbnail(shot.frame, simulation.rig.cameras, labels_of(shot), shot.truth, side)
             for side in (PAGE_PX, MARKDOWN_PX)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from pjpdaf.errors import BenchError, PlugInFault
 from pjpdaf.plugins.registry import described
-from reports.run.results import films_to_keep
+from reports.run.films import films_to_keep
 from reports.run.rows import EpisodeRows, rows_of
 from reports.score.records import EpisodeFailure
 from scenarios.play.play import Job, digest_of, play

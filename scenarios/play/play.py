@@ -26,7 +26,7 @@ from scenarios.play.error_budget import error_budget
 from scenarios.spec.draw import concrete, perform
 from scenarios.spec.parameters import File
 from scenarios.spec.scenario import Scenario, contents, digest
-from sim.dataset.reader import Sequence
+from sim.dataset.stored_sequence import StoredSequence
 from sim.motion.stage import Value
 from sim.sequence import Simulation
 from sim.truth import Truth
@@ -115,7 +115,7 @@ def play(job: Job) -> Episode:
     BenchError for a damaged file of a data set.
     """
     if job.kept is not None:
-        return play_footage(job, Sequence(job.kept, {}))
+        return play_footage(job, StoredSequence(job.kept, {}))
     with Simulation(perform(job.scenario, job.seed, job.overrides)) as simulation:
         return play_footage(job, simulation)
 
