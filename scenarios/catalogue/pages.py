@@ -142,9 +142,7 @@ def _draw_safely(scenario: Scenario) -> Picture | BenchError:
     try:
         return draw(scenario)
     except BenchError as fault:
-        # Errors with fields of their own do not survive pickling; line and exit code suffice.
-        kind = InfrastructureError if fault.exit_code == 5 else BenchError
-        return kind(f"{scenario.name}: {fault}")
+        return fault.reworded(f"{scenario.name}: {fault}")
 
 
 def draw(scenario: Scenario) -> Picture:

@@ -223,9 +223,7 @@ def _make_one(task: _Task) -> Written | BenchError:
                 part.rename(task.final)
         return written
     except BenchError as fault:
-        # Errors with fields of their own do not survive pickling; line and exit code suffice.
-        kind = InfrastructureError if fault.exit_code == 5 else BenchError
-        return kind(str(fault))
+        return fault
     except Unposable as fault:
         return BenchError(f"{task.final.name}: cannot be posed: {fault}; leave out this seed")
     except Exception as fault:
