@@ -27,7 +27,7 @@ from sim.files import disk_faults, written_whole_file
 from sim.labels import centres, truth_of, velocities
 from sim.scene.world import build
 from sim.script import Performance
-from sim.sequence import Shot, Simulation
+from sim.sequence import RenderedFrame, Simulation
 from sim.truth import Truth
 
 MP4, PNG = ".mp4", ".png"
@@ -90,7 +90,7 @@ def frame_range(words: str | None, frames: int) -> range:
     return found
 
 
-def drawn(shot: Shot, simulation: Simulation, title: str = "") -> Image:
+def drawn(shot: RenderedFrame, simulation: Simulation, title: str = "") -> Image:
     """A frame with its truth (h, w, 3) BGR."""
     script, skew_s = simulation.performance.script, simulation.performance.scene.sensor.skew_s
     trails = []
@@ -101,7 +101,7 @@ def drawn(shot: Shot, simulation: Simulation, title: str = "") -> Image:
     return truth_picture(shot.frame, cameras, labels_of(shot), shot.truth, trails, title)
 
 
-def labels_of(shot: Shot) -> list[np.ndarray]:
+def labels_of(shot: RenderedFrame) -> list[np.ndarray]:
     """The target of each pixel, per view."""
     return [view.targets for view in shot.views if view.targets is not None]
 
@@ -177,7 +177,7 @@ def _film(performance: Performance, indices: range, part: Path, title: str) -> N
         Film(part.parent, part.stem, performance.fps) as film,
     ):
         for index in progress.track(indices, description="filming"):
-            film.add(drawn(simulation.shot(index), simulation, title))
+            film.add(drawn(simulation.render(index), simulation, title))
 
 
 def _sheet(performance: Performance, indices: range, part: Path, title: str) -> list[int]:
@@ -191,7 +191,7 @@ def _sheet(performance: Performance, indices: range, part: Path, title: str) -> 
         chosen = [seen[i].index for i in spread(seen, SHEET_FRAMES)]
         pictures = []
         for index in progress.track(chosen, description="drawing"):
-            picture = drawn(simulation.shot(index), simulation, title)
+            picture = drawn(simulation.render(index), simulation, title)
             height = round(picture.shape[0] * SHEET_WIDTH_PX / picture.shape[1])
             small = cv2.resize(picture, (SHEET_WIDTH_PX, height), interpolation=cv2.INTER_AREA)
             pictures.append(np.asarray(small, dtype=np.uint8))

@@ -131,9 +131,7 @@ def _draw_safely(scenario: Scenario) -> Picture | BenchError:
     try:
         return draw(scenario)
     except BenchError as fault:
-        # Errors with fields of their own do not survive pickling; line and exit code suffice.
-        kind = InfrastructureError if fault.exit_code == 5 else BenchError
-        return kind(f"{scenario.name}: {fault}")
+        return fault.reworded(f"{scenario.name}: {fault}")
 
 
 def draw(scenario: Scenario) -> Picture:
@@ -142,7 +140,7 @@ def draw(scenario: Scenario) -> Picture:
     step = -(-performance.frames // MOST_LOOKED_AT)
     seen = list(truths(performance, range(0, performance.frames, step)))
     with Simulation(performance) as simulation:
-        shot = simulation.shot(telling(seen).index)
+        shot = simulation.render(telling(seen).index)
         large, small = (
             thumbnail(shot.frame, simulation.rig.cameras, labels_of(shot), shot.truth, side)
             for side in (PAGE_PX, MARKDOWN_PX)

@@ -9,22 +9,14 @@ from typing import Annotated
 import typer
 
 from pjpdaf.errors import BenchError
+from scenarios.cli.options import DatasetFolder, ExportFormats, Jobs, ScenarioSettings, Targets
 
 app = typer.Typer(help="Labelled stereo data sets.", no_args_is_help=True)
-
-Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a data set.")]
-Formats = Annotated[
-    str | None,
-    typer.Option(metavar="A,B", help="Of coco, mot, webdataset, parquet; or none [coco,mot]."),
-]
 
 
 @app.command()
 def make(
-    targets: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="[SCENARIO|SUITE]...", help="Names, or YAML files."),
-    ] = None,
+    targets: Targets = None,
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Folder of the data set; one that is begun goes on."),
@@ -43,7 +35,7 @@ def make(
             help="Of clean, depth, seg, amodal, disparity, correspondence, float; all, none.",
         ),
     ] = "depth,seg,amodal,disparity",
-    export: Formats = None,
+    export: ExportFormats = None,
     ladder: Annotated[
         bool,
         typer.Option(
@@ -51,11 +43,8 @@ def make(
             help="Each sequence five times: clean, + noise, + blur, + lens, + skin and light.",
         ),
     ] = False,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change a scenario parameter. Repeatable."),
-    ] = None,
-    jobs: Annotated[int | None, typer.Option(help="Worker processes [all cores].")] = None,
+    settings: ScenarioSettings = None,
+    jobs: Jobs = None,
     recipe: Annotated[
         Path | None,
         typer.Option(metavar="recipe.json", help="Instead: this one sequence again."),
@@ -101,8 +90,8 @@ def make(
 
 @app.command()
 def export(
-    folder: Folder,
-    to: Formats = None,
+    folder: DatasetFolder,
+    to: ExportFormats = None,
 ) -> None:
     """Write a data set in other formats too, into its own folder; older ones are replaced.
 
@@ -117,7 +106,7 @@ def export(
 
 @app.command()
 def show(
-    folder: Folder,
+    folder: DatasetFolder,
     out: Annotated[
         Path | None,
         typer.Option(help="New folder for both, or a .png or .html file [NAME-show]."),
@@ -138,14 +127,14 @@ def show(
 
 @app.command()
 def verify(
-    folder: Folder,
+    folder: DatasetFolder,
     sums: Annotated[
         bool, typer.Option("--sums/--no-sums", help="Compare every file's SHA-256 too.")
     ] = True,
     rays: Annotated[
         int, typer.Option(help="Frames compared with rays into the rebuilt scenes; 0: none.")
     ] = 4,
-    jobs: Annotated[int | None, typer.Option(help="Worker processes [all cores].")] = None,
+    jobs: Jobs = None,
 ) -> None:
     """Is a data set what it says it is? Every fault is a line with its file; exit code 1 then.
 
@@ -163,7 +152,7 @@ def formats_named(words: str | None, labels: Collection[str]) -> tuple[str, ...]
 
     Raises BenchError for an unknown one, or one that needs a label that is not there.
     """
-    from sim.dataset.layout import EXPORTS
+    from sim.dataset.files.layout import EXPORTS
 
     if words is None:
         return ("coco", "mot") if "seg" in labels else ("mot",)

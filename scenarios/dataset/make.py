@@ -34,15 +34,16 @@ from scenarios.spec.draw import setting_of
 from scenarios.spec.names import scenario_names, suite_names
 from sim import gl
 from sim.contact.contact import Unposable
-from sim.dataset.checksums import files_below, read_sums, sha256_of, text_of
-from sim.dataset.layout import (
+from sim.dataset.files.checksums import files_below, read_sums, sha256_of, text_of
+from sim.dataset.files.layout import (
     CHECKSUMS,
     MANIFEST,
     PART,
     sequence_name,
 )
-from sim.dataset.manifest import Entry, manifest_record, write_manifest
-from sim.dataset.reader import open_dataset, read_json
+from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
+from sim.dataset.files.reading import read_json
+from sim.dataset.reader import open_dataset
 from sim.dataset.writer import Written, write_frame, write_sequence
 from sim.files import disk_faults
 from sim.processes import WORKER_ENVIRONMENT, Answer, Lost, Workers
@@ -184,10 +185,10 @@ def words_of(request: MakeRequest) -> tuple[str, ...]:
     return (*words, "--out", "DIR")
 
 
-def entry_of(index: int, recipe: Recipe) -> Entry:
+def entry_of(index: int, recipe: Recipe) -> SequenceEntry:
     """What the manifest says of a sequence."""
     job = recipe.job
-    return Entry(
+    return SequenceEntry(
         folder=sequence_name(index),
         scenario=job.scenario.name,
         label=job.name,
@@ -223,9 +224,7 @@ def _make_one(task: _Task) -> Written | BenchError:
                 part.rename(task.final)
         return written
     except BenchError as fault:
-        # Errors with fields of their own do not survive pickling; line and exit code suffice.
-        kind = InfrastructureError if fault.exit_code == 5 else BenchError
-        return kind(str(fault))
+        return fault
     except Unposable as fault:
         return BenchError(f"{task.final.name}: cannot be posed: {fault}; leave out this seed")
     except Exception as fault:
@@ -292,7 +291,7 @@ def _written(task: _Task, outcome: Answer[Written | BenchError] | Lost) -> Writt
 
 def finish(
     out: Path,
-    entries: Sequence[Entry],
+    entries: Sequence[SequenceEntry],
     settings: Mapping[str, Any],
     made_with: Mapping[str, Any],
     exports: Sequence[str],
@@ -364,7 +363,7 @@ def _alone(out: Path) -> Iterator[None]:
         yield
 
 
-def _check_same(out: Path, settings: Mapping[str, Any], entries: Sequence[Entry]) -> None:
+def _check_same(out: Path, settings: Mapping[str, Any], entries: Sequence[SequenceEntry]) -> None:
     """Raise BenchError where something else lies in the folder, or another data set."""
     path = out / MANIFEST
     if not path.exists():

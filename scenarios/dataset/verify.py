@@ -15,7 +15,8 @@ from scenarios.console.progress import progress_bar
 from scenarios.play.recipe import performance_of
 from sim.dataset.check.fault import Fault
 from sim.dataset.raytruth import RayFigures, lines_of, ray_check, together
-from sim.dataset.reader import Sequence, open_dataset
+from sim.dataset.reader import open_dataset
+from sim.dataset.stored_sequence import StoredSequence
 from sim.dataset.verify import verify
 from sim.sequence import Simulation
 
@@ -117,7 +118,9 @@ def cast_rays(folder: Path, frames: int, faulty: Collection[str] = ()) -> Cast:
     return Cast(together(figures) if figures else None, tuple(faults), tuple(refused))
 
 
-def _spread(sequences: tuple[Sequence, ...], frames: int) -> Iterator[tuple[Sequence, list[int]]]:
+def _spread(
+    sequences: tuple[StoredSequence, ...], frames: int
+) -> Iterator[tuple[StoredSequence, list[int]]]:
     """Sequences with the frames of theirs that are looked at."""
     counts = []
     for sequence in sequences:

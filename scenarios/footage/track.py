@@ -19,8 +19,9 @@ from pjpdaf.calibration import read_rig
 from pjpdaf.camera import StereoRig, undistort_picture
 from pjpdaf.detector.detector import SkinDetector, with_skin
 from pjpdaf.detector.skin import SkinRange, learn_skin_from_head, learn_skin_range
-from pjpdaf.errors import BenchError, InfrastructureError
-from pjpdaf.interfaces import AnyTracker, Detector, Estimates
+from pjpdaf.errors import BenchError
+from pjpdaf.follow import follow
+from pjpdaf.interfaces import AnyTracker, Detector
 from pjpdaf.plugins.registry import make_detector, make_tracker
 from pjpdaf.presets.parameters import PRESETS, find_preset, override, with_values
 from pjpdaf.sources import (
@@ -121,8 +122,7 @@ def track(request: TrackRequest) -> None:
         out.print(line, markup=False, highlight=False, soft_wrap=True)
     kept = f"the first {record.frames} frames are saved in {request.out}"
     if stop.fault is not None:
-        kind = InfrastructureError if stop.fault.exit_code == 5 else BenchError
-        raise kind(f"{str(stop.fault).rstrip('.')}; {kept}")
+        raise stop.fault.reworded(f"{str(stop.fault).rstrip('.')}; {kept}")
     if stop.asked:
         raise Interrupted(f"interrupted: {kept}")
 
@@ -227,7 +227,7 @@ def _skin(sample: Path | None) -> dict[str, Any]:
     try:
         skin = learn_skin_range(picture)
     except BenchError as fault:
-        raise BenchError(f"{sample}: {fault}") from None
+        raise fault.reworded(f"{sample}: {fault}") from None
     return skin_values(skin)
 
 
@@ -304,33 +304,21 @@ def _with_background(plan: Plan, say: Callable[[str], None]) -> Detector:
 def _follow(
     plan: Plan, part: Path, console: Console, say: Callable[[str], None], stop: _Stop
 ) -> tuple[TrackRecord, Path | None]:
-    """Detect and track all frames; the loop here owns the tracker's state."""
+    """Detect and track all frames."""
     request, cameras = plan.request, plan.rig.cameras
     record = TrackRecord(1 / plan.rate_hz)
     with progress_bar(console) as progress:
         task = progress.add_task("tracking", total=plan.total)
-        detector, tracker = plan.detector, plan.tracker
-        frames = stereo_frames(request.left, request.right, plan.rate_hz, plan.sizes_px, say)
-        state: Any = None
-        previous_s = 0.0
+        footage = stereo_frames(request.left, request.right, plan.rate_hz, plan.sizes_px, say)
+        frames = itertools.takewhile(lambda _: not stop.asked, footage)
         with TrackWriter(part, cameras) as tracks, Film(part, "overlay", plan.rate_hz) as film:
             try:
-                for frame in frames:
-                    if stop.asked:
-                        break
-                    dt_s = frame.time_s - previous_s
-                    previous_s = frame.time_s
-                    expected = tracker.predict(state, dt_s) if state is not None else None
-                    seen = detector(frame, expected)
-                    if state is None:
-                        state = tracker.start(seen)
-                        said = Estimates.waiting() if state is None else tracker.estimates(state)
-                    else:
-                        state, said = tracker.step(state, seen, dt_s)
-                    sheet = overlay_picture(frame, cameras, seen, said)
-                    tracks.add(frame.index, frame.time_s, said)
+                for step in follow(frames, plan.detector, plan.tracker):
+                    frame, detections, estimates = step.frame, step.detections, step.estimates
+                    sheet = overlay_picture(frame, cameras, detections, estimates)
+                    tracks.add(frame.index, frame.time_s, estimates)
                     film.add(sheet)
-                    record.add(frame, seen, said, functools.partial(encode_jpeg, sheet))
+                    record.add(frame, detections, estimates, functools.partial(encode_jpeg, sheet))
                     progress.update(task, advance=1)
             except BenchError as fault:
                 if record.frames == 0:

@@ -24,8 +24,8 @@ from reports.gate.formats import (
     word,
 )
 from reports.gate.gate import MetricVerdict, Verdict, compare
+from reports.run.load import SavedRun, load
 from reports.run.provenance import provenance
-from reports.run.results import SavedRun, load
 from reports.run.rows import EpisodeRows
 from scenarios.console.progress import progress_bar
 from scenarios.run.margins import load_margins, read_margins

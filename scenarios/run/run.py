@@ -18,8 +18,9 @@ from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.plugins.registry import make_detector, make_tracker
 from pjpdaf.presets.parameters import PRESETS, find_preset, override
 from reports.page.page import write_page
-from reports.run.results import RunInfo, SavedRun, check_free, load, save, save_slim
+from reports.run.load import SavedRun, load
 from reports.run.rows import EpisodeRows
+from reports.run.save import RunInfo, check_free, save, save_slim
 from reports.summary.tables import count, rich_table, summarise
 from scenarios.console.progress import progress_bar
 from scenarios.execute.episodes import EPISODE_TIME_LIMIT_S, Played, play_all
@@ -235,7 +236,7 @@ def record(
 ) -> SavedRun:
     """Save what came of `jobs` and read it back; the whole, also where a slim run is kept of it.
 
-    Raises BenchError (`reports.run.results.save`).
+    Raises BenchError (`reports.run.save.save`).
     """
     info = RunInfo(
         name=folder.name,

@@ -13,7 +13,7 @@ from scenarios.spec.names import load_scenario
 from scenarios.spec.parameters import UNITS, FileText, Numeric, nearest
 from scenarios.spec.scenario import MAX_FRAMES, Scenario
 from sim.contact.contact import Unposable
-from sim.families.registry import GESTURES
+from sim.families.registry import FAMILIES
 from sim.motion.measure import fault_of
 from sim.motion.motion import Performer
 from sim.motion.opening import with_opening
@@ -83,7 +83,7 @@ def setting_of(scenario: Scenario, overrides: Mapping[str, Value], name: str) ->
 
 def scene_of(scenario: Scenario, values: Values, extras: Extras = NO_EXTRAS) -> SceneSpec:
     """The scene of concrete values in SI units."""
-    objects = GESTURES[scenario.motion.kind].objects(values)
+    objects = FAMILIES[scenario.motion.kind].objects(values)
     return SceneSpec(
         anatomy=person_and_room.anatomy_of(values),
         appearance=person_and_room.appearance_of(values),
@@ -156,7 +156,7 @@ def _drawn(
     extras = person_and_room.extras_of(values, streams, duration_s)
     scene = scene_of(scenario, values, extras)
     stage = Stage(scene=scene, values=values, streams=streams, duration_s=duration_s)
-    plan = GESTURES[scenario.motion.kind].plan(stage)
+    plan = FAMILIES[scenario.motion.kind].plan(stage)
     performer = Performer(scene, with_opening(stage, plan, str(values["start"])))
     # The draw is judged here, not in the middle of a sequence, and alike at any frame rate.
     moments = min(MOST_JUDGED, math.ceil(JUDGED_HZ * duration_s) + 1)

@@ -39,7 +39,7 @@ from scenarios.spec.parameters import (
 )
 from scenarios.spec.standard import STANDARD
 from sim.clips.clip_files import SUFFIXES
-from sim.families.registry import GESTURES
+from sim.families.registry import FAMILIES
 from sim.motion.stage import Value
 
 MAX_FRAMES = 20_000
@@ -48,13 +48,13 @@ MAX_FRAMES = 20_000
 class Motion(Record):
     """Which family of motion plays the parameters."""
 
-    kind: Annotated[Name, Field(json_schema_extra={"enum": list(GESTURES)})]
+    kind: Annotated[Name, Field(json_schema_extra={"enum": list(FAMILIES)})]
 
     @field_validator("kind")
     @classmethod
     def _known(cls, kind: str) -> str:
-        if kind not in GESTURES:
-            known, hint = ", ".join(GESTURES), nearest(kind, GESTURES)
+        if kind not in FAMILIES:
+            known, hint = ", ".join(FAMILIES), nearest(kind, FAMILIES)
             fault = f"must be one of {known}, got {kind!r}{hint}"
             raise PydanticCustomError("kind", "{fault}", {"fault": fault})
         return kind
@@ -85,7 +85,7 @@ class Scenario(Record):
     @model_validator(mode="after")
     def _complete(self) -> Self:
         """The standard parameters are added; a family's own must be there, and no others."""
-        own = GESTURES[self.motion.kind].parameters
+        own = FAMILIES[self.motion.kind].parameters
         for name in self.parameters:
             if name not in own and name not in STANDARD:
                 hint = nearest(name, (*own, *STANDARD))

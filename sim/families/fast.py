@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from sim.motion.motion import Cue, Plan
+from sim.motion.motion import Cue, MotionPlan
 from sim.motion.planner import HandPlanner, raised
-from sim.motion.stage import STILL_S, Gesture, Stage, no_objects
+from sim.motion.stage import STILL_S, Family, Stage, no_objects
 from sim.motion.strokes import (
     Glide,
     HandState,
@@ -25,7 +25,7 @@ RUNGS = 9
 SIDES = ("right", "left")
 
 
-def _speed_ladder(stage: Stage) -> Plan:
+def _speed_ladder(stage: Stage) -> MotionPlan:
     """One hand to and fro along a line, rung after rung faster; the other hand rests."""
     side = stage.side("hand")
     outward, rng = OUTWARD[side], stage.streams("ladder")
@@ -97,7 +97,7 @@ def _free(stage: Stage, side: int, share: Floats) -> HandState:
     return raised(side, place, 0.45, 0.05, 0.6, curl=0.2)
 
 
-def _stop_and_reverse(stage: Stage) -> Plan:
+def _stop_and_reverse(stage: Stage) -> MotionPlan:
     """Both hands stroke, each on its own side; most strokes stop dead or turn back midway."""
     slow, fast = stage.number("slowest"), stage.number("fastest")
     hands = (HandPlanner(stage.rest(0)), HandPlanner(stage.rest(1)))
@@ -130,7 +130,7 @@ def _stop_and_reverse(stage: Stage) -> Plan:
     return stage.plan(hands, cues=tuple(cues))
 
 
-def _fast_finish(stage: Stage) -> Plan:
+def _fast_finish(stage: Stage) -> MotionPlan:
     """The hands merge; then both stroke, ever faster, apart and half over each other."""
     front, gap = stage.side("front"), stage.number("depth_gap")
     slow, fast = stage.number("slowest"), stage.number("fastest")
@@ -182,8 +182,8 @@ def _fast_finish(stage: Stage) -> Plan:
 
 _ROOM = ("centre_x", "inner_y", "width", "tall")
 
-FAMILIES: Mapping[str, Gesture] = {
-    "speed_ladder": Gesture(
+FAMILIES: Mapping[str, Family] = {
+    "speed_ladder": Family(
         (
             "hand",
             "length",
@@ -197,10 +197,10 @@ FAMILIES: Mapping[str, Gesture] = {
         no_objects,
         _speed_ladder,
     ),
-    "stop_and_reverse": Gesture(
+    "stop_and_reverse": Family(
         (*_ROOM, "slowest", "fastest", "brake", "pause", "wait"), no_objects, _stop_and_reverse
     ),
-    "fast_finish": Gesture(
+    "fast_finish": Family(
         (
             *_ROOM,
             "slowest",

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from pjpdaf.errors import BenchError
-from reports.run.results import load
+from reports.run.load import load
 from scenarios.execute.episodes import play_all
 from scenarios.play.play import Job, System
 from scenarios.spec.names import load_scenario
