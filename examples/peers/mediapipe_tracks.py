@@ -1,5 +1,5 @@
 # /// script
-# requires-python = ">=3.9,<3.13"
+# requires-python = ">=3.10,<3.13"
 # dependencies = ["mediapipe==0.10.21"]
 # ///
 """MediaPipe's Hands and Pose on every picture of a data set: 3-D tracks, and 2-D detections.
@@ -14,7 +14,7 @@ another NumPy and another OpenCV):
 
 It reads what is on disk (`left/`, `right/`, `rig.json`) and nothing of this project. It writes
 
-    DIR/tracks.csv      positions in the world frame, for `pjpdaf-bench score DATASET DIR/tracks.csv`
+    DIR/tracks.csv      world positions, for `pjpdaf-bench score DATASET DIR/tracks.csv`
     DIR/detections.csv  centres in the pictures, one row a view and target, in pixels as filmed
 
 Every picture is seen for itself: no filter, no memory. A hand is the mean of its wrist and
@@ -90,19 +90,19 @@ def assigned(palms, sides, wrists):
     """
     named = ["right_hand" if side.label == "Left" else "left_hand" for side in sides]
     if len(set(named)) == 2:
-        return dict(zip(named, palms))
+        return dict(zip(named, palms, strict=True))
     names = list(wrists)
     far = [[np.linalg.norm(palm - wrists[name]) for name in names] for palm in palms]
     if len(palms) == 2:
         straight = far[0][0] + far[1][1] <= far[0][1] + far[1][0]
-        return dict(zip(names, palms if straight else palms[::-1]))
-    return {names[int(np.argmin(row))]: palm for row, palm in zip(far, palms)}
+        return dict(zip(names, palms if straight else palms[::-1], strict=True))
+    return {names[int(np.argmin(row))]: palm for row, palm in zip(far, palms, strict=True)}
 
 
 def triangulate(seen, cameras):
     """A point (3,) in the world from its pixels in both views."""
     rays = []
-    for (x, y, _), camera in zip(seen, cameras):
+    for (x, y, _), camera in zip(seen, cameras, strict=True):
         K, D = np.array(camera["K"]), np.array(camera["distortion"], float)
         plain = cv2.undistortPoints(np.array([[[x, y]]]), K, D if len(D) else None)
         rays.append(plain.reshape(2, 1))
@@ -118,9 +118,7 @@ def main():
     arguments = parser.parse_args()
     folders = sorted(arguments.dataset.glob("seq_*"))
     if not folders:
-        parser.error(
-            f"{arguments.dataset}: has no folders seq_*; give a data set of `dataset make`"
-        )
+        parser.error(f"{arguments.dataset}: no folders seq_*; give a data set of `dataset make`")
     arguments.out.mkdir(parents=True, exist_ok=True)
     peer, frames, spent_s = Peer(), 0, 0.0
     with (
