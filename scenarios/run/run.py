@@ -31,8 +31,9 @@ from scenarios.play.targets import Part, parts_of
 from scenarios.spec.cameras import rig_of
 from scenarios.spec.draw import SETTINGS, concrete, in_si, perform, setting_of
 from scenarios.spec.names import resolve
-from scenarios.spec.parameters import File, nearest
-from scenarios.spec.scenario import Suite
+from scenarios.spec.parameters.file import File
+from scenarios.spec.suggestion import did_you_mean
+from scenarios.spec.suite import Suite
 from sim.contact.contact import Unposable
 from sim.scene.rig import stereo_rig
 
@@ -149,7 +150,7 @@ def plan(request: RunRequest) -> list[Job]:
     known = {key for part in parts for key in part.takes}
     for key in settings.scenario:
         if key not in known:
-            hint = nearest(key, known)
+            hint = did_you_mean(key, known)
             raise BenchError(f"--set {key}: no such parameter in these scenarios{hint}")
     jobs = []
     for part in parts:
@@ -191,7 +192,7 @@ def _chosen(parts: list[Part], only: Sequence[str]) -> list[Part]:
     labels = [part.label for part in parts]
     for name in only:
         if name not in labels:
-            hint = nearest(name, labels) or ";"
+            hint = did_you_mean(name, labels) or ";"
             raise BenchError(f"--only {name}: not played{hint} there are: {', '.join(labels)}")
     return [part for part in parts if part.label in only or not only]
 
@@ -280,7 +281,7 @@ def entry_of(job: Job) -> dict[str, object]:
     return {
         "scenario": scenario.name,
         "version": scenario.version,
-        "family": scenario.family,
+        "family": scenario.stream,
         "overrides": {
             k: v if isinstance(v, int | float) else str(v) for k, v in job.overrides.items()
         },
