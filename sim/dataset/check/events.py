@@ -74,6 +74,5 @@ def _found(told: list[Told]) -> dict[str, Facts]:
                         facts["occlusions"].add((i, what))
         if all(view.merged[RIGHT_HAND, LEFT_HAND] for view in views):
             facts["ambiguous"].add((i, "both hands"))
-        script = (event for event in frame.truth.events if not event.startswith("merge:"))
-        facts["script"] |= {(i, event) for event in script}
+        facts["script"] |= {(i, event) for event in frame.truth.script_events}
     return facts
