@@ -21,7 +21,7 @@ from reports.run.schema import (
     TABLES,
 )
 from reports.score.events import KINDS
-from sim.dataset.checksums import sha256_of
+from sim.dataset.files.checksums import sha256_of
 
 _REQUEST = ("targets", "seeds", "first_seed", "only", "settings", "preset", "detector", "tracker")
 

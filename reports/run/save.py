@@ -29,7 +29,7 @@ from reports.run.schema import (
 )
 from reports.run.tables import tables_of, write_table
 from reports.score.records import Episode, EpisodeFailure
-from sim.dataset.checksums import sha256_of
+from sim.dataset.files.checksums import sha256_of
 from sim.files import disk_faults, part_folder, write_fault
 
 

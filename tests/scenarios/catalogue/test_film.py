@@ -108,7 +108,7 @@ def test_truths_without_pictures_are_those_of_the_simulation():
     quick = list(truths(performance, (0, 14)))
     with Simulation(performance) as simulation:
         for found in quick:
-            full = simulation.shot(found.index).truth
+            full = simulation.render(found.index).truth
             np.testing.assert_array_equal(found.centres_m, full.centres_m)
             assert found.events == full.events
             for a, b in zip(found.views, full.views, strict=True):

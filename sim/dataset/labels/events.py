@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pjpdaf.targets import LEFT_HAND, RIGHT_HAND, TARGETS
-from sim.dataset.instances import Instances
+from sim.dataset.labels.instances import Instances
 from sim.scene.world import CAMERAS
 from sim.truth import Truth
 
