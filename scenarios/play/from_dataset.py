@@ -11,7 +11,8 @@ from pjpdaf.plugins.registry import make_detector, make_tracker
 from scenarios.play.play import Job, System
 from scenarios.play.recipe import read_recipe
 from scenarios.spec.suggestion import did_you_mean
-from sim.dataset.reader import Dataset, Sequence, open_dataset
+from sim.dataset.reader import Dataset, open_dataset
+from sim.dataset.stored_sequence import StoredSequence
 
 
 def open_with_sequences(folder: Path) -> Dataset:
@@ -22,7 +23,7 @@ def open_with_sequences(folder: Path) -> Dataset:
     return dataset
 
 
-def job_of(sequence: Sequence) -> Job:
+def job_of(sequence: StoredSequence) -> Job:
     """The episode that a sequence is of, to be read instead of rendered.
 
     Raises BenchError where its recipe is of another version, or another than the manifest's.
@@ -60,7 +61,7 @@ def jobs_of(
     # A rig may be new to a detector or tracker: each name's first is tried.
     for job in {job.name: job for job in reversed(jobs)}.values():
         assert job.kept is not None
-        cameras = Sequence(job.kept, {}).calibration.cameras
+        cameras = StoredSequence(job.kept, {}).calibration.cameras
         make_detector(system.detector, cameras, system.detector_settings)
         make_tracker(system.tracker, cameras, system.tracker_settings)
     return [replace(j, keep_pictures=pictures and j.seed == first[j.name]) for j in jobs]

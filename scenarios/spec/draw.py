@@ -16,7 +16,7 @@ from scenarios.spec.parameters.units import UNITS
 from scenarios.spec.scenario import MAX_FRAMES, Scenario
 from scenarios.spec.suggestion import did_you_mean
 from sim.contact.contact import Unposable
-from sim.families.registry import GESTURES
+from sim.families.registry import FAMILIES
 from sim.motion.measure import fault_of
 from sim.motion.motion import Performer
 from sim.motion.opening import with_opening
@@ -88,7 +88,7 @@ def setting_of(scenario: Scenario, overrides: Mapping[str, Value], name: str) ->
 
 def scene_of(scenario: Scenario, values: Values, extras: Extras = NO_EXTRAS) -> SceneSpec:
     """Build the scene of concrete values in SI units."""
-    objects = GESTURES[scenario.motion.kind].objects(values)
+    objects = FAMILIES[scenario.motion.kind].objects(values)
     return SceneSpec(
         anatomy=person_and_room.anatomy_of(values),
         appearance=person_and_room.appearance_of(values),
@@ -161,7 +161,7 @@ def _perform_draw(
     extras = person_and_room.extras_of(values, streams, duration_s)
     scene = scene_of(scenario, values, extras)
     stage = Stage(scene=scene, values=values, streams=streams, duration_s=duration_s)
-    plan = GESTURES[scenario.motion.kind].plan(stage)
+    plan = FAMILIES[scenario.motion.kind].plan(stage)
     performer = Performer(scene, with_opening(stage, plan, str(values["start"])))
     # The draw is judged here, not in the middle of a sequence, and alike at any frame rate.
     moments = min(MOST_JUDGED, math.ceil(JUDGED_HZ * duration_s) + 1)

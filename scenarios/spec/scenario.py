@@ -19,7 +19,7 @@ from scenarios.spec.parameters.record import Name, Number, Record, Text, Whole, 
 from scenarios.spec.parameters.units import UNITS
 from scenarios.spec.standard import STANDARD
 from scenarios.spec.suggestion import did_you_mean
-from sim.families.registry import GESTURES
+from sim.families.registry import FAMILIES
 
 MAX_FRAMES = 20_000
 
@@ -27,13 +27,13 @@ MAX_FRAMES = 20_000
 class Motion(Record):
     """Which family of motion plays the parameters."""
 
-    kind: Annotated[Name, Field(json_schema_extra={"enum": list(GESTURES)})]
+    kind: Annotated[Name, Field(json_schema_extra={"enum": list(FAMILIES)})]
 
     @field_validator("kind")
     @classmethod
     def _known(cls, kind: str) -> str:
-        if kind not in GESTURES:
-            known, hint = ", ".join(GESTURES), did_you_mean(kind, GESTURES)
+        if kind not in FAMILIES:
+            known, hint = ", ".join(FAMILIES), did_you_mean(kind, FAMILIES)
             raise fault_at(f"must be one of {known}, got {kind!r}{hint}")
         return kind
 
@@ -63,7 +63,7 @@ class Scenario(Record):
     @model_validator(mode="after")
     def _complete(self) -> Self:
         """The standard parameters are added; a family's own must be there, and no others."""
-        own = GESTURES[self.motion.kind].parameters
+        own = FAMILIES[self.motion.kind].parameters
         for name in self.parameters:
             if name not in own and name not in STANDARD:
                 hint = did_you_mean(name, (*own, *STANDARD))

@@ -22,7 +22,7 @@ from pjpdaf.errors import BenchError
 from pjpdaf.interfaces import STATUSES
 from pjpdaf.targets import TARGETS
 from scenarios.spec.suggestion import did_you_mean
-from sim.dataset.layout import is_sequence_name
+from sim.dataset.files.layout import is_sequence_name
 
 POSITION = ("x_m", "y_m", "z_m")
 DEVIATION = ("sd_x_m", "sd_y_m", "sd_z_m")

@@ -206,7 +206,7 @@ def person_solids(
 
 
 @dataclass(frozen=True, eq=False)
-class Thing:
+class StandingObject:
     """A thing that stands in the room, upright: a box, or a cylinder (round).
 
     size_m: extents x, y, z; base_m (3,): centre of its base.

@@ -11,9 +11,9 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, project, to_camera
 from sim.contact.contact import Capsules, capsule_gap, hand_capsules
-from sim.motion.motion import Cue, Plan
+from sim.motion.motion import Cue, MotionPlan
 from sim.motion.planner import HandPlanner, raised
-from sim.motion.stage import STILL_S, Gesture, Stage, no_objects
+from sim.motion.stage import STILL_S, Family, Stage, no_objects
 from sim.motion.strokes import (
     Glide,
     HandState,
@@ -155,7 +155,7 @@ def lower(stage: Stage, hands: tuple[HandPlanner, HandPlanner]) -> None:
         hands[side].move(stage.rest(side), stage.number("raise_speed"), [0.0, 0.0, 0.02])
 
 
-def _cross(stage: Stage) -> Plan:
+def _cross(stage: Stage) -> MotionPlan:
     """The hands pass each other, stay crossed, and go back if the parameter `back` says so."""
     a = approach(stage, stage.number("bow"))
     speed = stage.number("speed")
@@ -230,7 +230,7 @@ def brake(
     return glide
 
 
-def _bounce(stage: Stage) -> Plan:
+def _bounce(stage: Stage) -> MotionPlan:
     """The same approach, but where the hands would merge they brake, touch and return."""
     a = approach(stage, stage.number("bow"))
     speed = stage.number("speed")
@@ -269,7 +269,7 @@ APPROACH = (
     "hold",
 )
 
-FAMILIES: Mapping[str, Gesture] = {
-    "cross": Gesture((*APPROACH, "back"), no_objects, _cross),
-    "bounce": Gesture((*APPROACH, "touch_gap", "touch"), no_objects, _bounce),
+FAMILIES: Mapping[str, Family] = {
+    "cross": Family((*APPROACH, "back"), no_objects, _cross),
+    "bounce": Family((*APPROACH, "touch_gap", "touch"), no_objects, _bounce),
 }

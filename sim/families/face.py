@@ -13,9 +13,9 @@ from sim.contact.contact import height_above_table
 from sim.families.on_head import Laying, laid_on_head
 from sim.families.sizes import CAN
 from sim.motion.curves import sweep
-from sim.motion.motion import Cue, Hold, Plan, object_at_rest, posture
+from sim.motion.motion import Cue, Hold, MotionPlan, object_at_rest, posture
 from sim.motion.planner import HandPlanner, curled, grasp
-from sim.motion.stage import STILL_S, Gesture, Stage, Values, no_objects, number, side_of
+from sim.motion.stage import STILL_S, Family, Stage, Values, no_objects, number, side_of
 from sim.motion.strokes import HandState, between, quaternion_of
 from sim.person.kinematics import OUTWARD, hand_rotation
 from sim.pose import SIDES, Transform
@@ -61,7 +61,7 @@ def _at_mouth(
     )
 
 
-def _drink(stage: Stage) -> Plan:
+def _drink(stage: Stage) -> MotionPlan:
     """Reach for the can, drink, put it back, and rest."""
     side, speed = stage.side("hand"), stage.number("speed")
     outward = OUTWARD[side]
@@ -138,7 +138,7 @@ def _touching(stage: Stage, side: int, place: str, jitter: Floats) -> HandState:
     return _laid(stage, side, laying, stage.number("elbow_out"))
 
 
-def _touch_face(stage: Stage) -> Plan:
+def _touch_face(stage: Stage) -> MotionPlan:
     """A hand goes to the face, stays, comes back; some times over."""
     rng = stage.streams("touches")
     hands = (HandPlanner(stage.rest(0)), HandPlanner(stage.rest(1)))
@@ -189,7 +189,7 @@ def _phone_objects(values: Values) -> tuple[ObjectSpec, ...]:
     return (ObjectSpec("phone", "phone", _PHONE, (0.06, 0.06, 0.07), place, yaw),)
 
 
-def _phone_at_ear(stage: Stage) -> Plan:
+def _phone_at_ear(stage: Stage) -> MotionPlan:
     """Take the phone, hold it at the ear, put it back."""
     side, speed = stage.side("hand"), stage.number("speed")
     outward, anatomy = OUTWARD[side], stage.scene.anatomy
@@ -247,7 +247,7 @@ def _phone_at_ear(stage: Stage) -> Plan:
     )
 
 
-def _hand_behind_head(stage: Stage) -> Plan:
+def _hand_behind_head(stage: Stage) -> MotionPlan:
     """A hand goes behind the head, stays hidden, comes out on its own or on the other side."""
     side, speed = stage.side("hand"), stage.number("speed")
     outward, swivel = OUTWARD[side], stage.number("elbow_out")
@@ -336,13 +336,13 @@ def _out_over_there(
     hand.add(sweep(hand.clock_s, (peeking, on_crown, *back, stage.rest(side)), speed))
 
 
-FAMILIES: Mapping[str, Gesture] = {
-    "drink": Gesture(
+FAMILIES: Mapping[str, Family] = {
+    "drink": Family(
         ("hand", "speed", "wait", "hold", "tilt", "can_x", "can_y", "put_dx", "put_dy"),
         _drink_objects,
         _drink,
     ),
-    "touch_face": Gesture(
+    "touch_face": Family(
         (
             "hand",
             "place",
@@ -356,7 +356,7 @@ FAMILIES: Mapping[str, Gesture] = {
         no_objects,
         _touch_face,
     ),
-    "phone_at_ear": Gesture(
+    "phone_at_ear": Family(
         (
             "hand",
             "speed",
@@ -371,7 +371,7 @@ FAMILIES: Mapping[str, Gesture] = {
         _phone_objects,
         _phone_at_ear,
     ),
-    "hand_behind_head": Gesture(
+    "hand_behind_head": Family(
         (
             "hand",
             "out",

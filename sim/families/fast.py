@@ -9,9 +9,10 @@ from dataclasses import replace
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from sim.motion.motion import Cue, Plan
+from sim.event_names import speed_name
+from sim.motion.motion import Cue, MotionPlan
 from sim.motion.planner import HandPlanner, raised
-from sim.motion.stage import STILL_S, Gesture, Stage, no_objects
+from sim.motion.stage import STILL_S, Family, Stage, no_objects
 from sim.motion.strokes import (
     Glide,
     HandState,
@@ -25,7 +26,7 @@ RUNGS = 9
 SIDES = ("right", "left")
 
 
-def _speed_ladder(stage: Stage) -> Plan:
+def _speed_ladder(stage: Stage) -> MotionPlan:
     """One hand to and fro along a line, rung after rung faster; the other hand rests."""
     side = stage.side("hand")
     outward, rng = OUTWARD[side], stage.streams("ladder")
@@ -55,7 +56,7 @@ def _speed_ladder(stage: Stage) -> Plan:
                 hand.move(end, speed, least_s=0.01)
                 # An uneven turn keeps fast rungs from falling in step with the frames.
                 hand.wait(float(rng.uniform(0.0, 0.08)))
-        cues.append(Cue(f"speed:{speed:g}", begun, hand.clock_s))
+        cues.append(Cue(speed_name(speed), begun, hand.clock_s))
     hand.wait(stage.number("pause"))
     hand.move(stage.rest(side), 0.3, [0.0, 0.0, 0.02])
     return stage.plan(hands, cues=tuple(cues))
@@ -97,7 +98,7 @@ def _free(stage: Stage, side: int, share: Floats) -> HandState:
     return raised(side, place, 0.45, 0.05, 0.6, curl=0.2)
 
 
-def _stop_and_reverse(stage: Stage) -> Plan:
+def _stop_and_reverse(stage: Stage) -> MotionPlan:
     """Both hands stroke, each on its own side; most strokes stop dead or turn back midway."""
     slow, fast = stage.number("slowest"), stage.number("fastest")
     hands = (HandPlanner(stage.rest(0)), HandPlanner(stage.rest(1)))
@@ -130,7 +131,7 @@ def _stop_and_reverse(stage: Stage) -> Plan:
     return stage.plan(hands, cues=tuple(cues))
 
 
-def _fast_finish(stage: Stage) -> Plan:
+def _fast_finish(stage: Stage) -> MotionPlan:
     """The hands merge; then both stroke, ever faster, apart and half over each other."""
     front, gap = stage.side("front"), stage.number("depth_gap")
     slow, fast = stage.number("slowest"), stage.number("fastest")
@@ -182,8 +183,8 @@ def _fast_finish(stage: Stage) -> Plan:
 
 _ROOM = ("centre_x", "inner_y", "width", "tall")
 
-FAMILIES: Mapping[str, Gesture] = {
-    "speed_ladder": Gesture(
+FAMILIES: Mapping[str, Family] = {
+    "speed_ladder": Family(
         (
             "hand",
             "length",
@@ -197,10 +198,10 @@ FAMILIES: Mapping[str, Gesture] = {
         no_objects,
         _speed_ladder,
     ),
-    "stop_and_reverse": Gesture(
+    "stop_and_reverse": Family(
         (*_ROOM, "slowest", "fastest", "brake", "pause", "wait"), no_objects, _stop_and_reverse
     ),
-    "fast_finish": Gesture(
+    "fast_finish": Family(
         (
             *_ROOM,
             "slowest",

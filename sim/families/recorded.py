@@ -11,9 +11,9 @@ from pjpdaf.errors import BenchError
 from sim.clips.clip_files import load_clip
 from sim.clips.clips import Clip, mirrored
 from sim.clips.retarget import Retargeted, retarget
-from sim.motion.motion import Carriage, Cue, Plan
+from sim.motion.motion import Carriage, Cue, MotionPlan
 from sim.motion.planner import LEAST_STROKE_S
-from sim.motion.stage import STILL_S, Gesture, Stage, no_objects
+from sim.motion.stage import STILL_S, Family, Stage, no_objects
 from sim.motion.strokes import HandPath, HandState, Stroke, minimum_jerk, stroke_duration
 
 _BOW_M = np.array([0.0, 0.0, 0.02])  # of the strokes that lead in
@@ -98,7 +98,7 @@ class ClipCarriage:
         return self.body.carriage(self.clock.clip_s(t_s), share)
 
 
-def _recorded(stage: Stage) -> Plan:
+def _recorded(stage: Stage) -> MotionPlan:
     """From rest to the clip's first pose, the clip, and held still where it is over."""
     clip = load_clip(str(stage.values["clip"]))
     if stage.values["mirror"] == "yes":
@@ -150,8 +150,8 @@ def _cues(stage: Stage, clip: Clip, clock: ClipClock) -> tuple[Cue, ...]:
     return tuple(cues)
 
 
-FAMILIES: Mapping[str, Gesture] = {
-    "recorded": Gesture(
+FAMILIES: Mapping[str, Family] = {
+    "recorded": Family(
         ("clip", "slow", "mirror", "clip_start", "scale", "lift", "lead_speed"),
         no_objects,
         _recorded,

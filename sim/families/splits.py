@@ -9,9 +9,9 @@ import numpy as np
 
 from sim.contact.contact import hand_capsules, height_above_table
 from sim.families.on_head import Laying, laid_on_head
-from sim.motion.motion import Cue, Hold, Plan, object_at_rest
+from sim.motion.motion import Cue, Hold, MotionPlan, object_at_rest
 from sim.motion.planner import HandPlanner, curled, grasp, raised
-from sim.motion.stage import STILL_S, Gesture, Stage, Values, no_objects, number, side_of
+from sim.motion.stage import STILL_S, Family, Stage, Values, no_objects, number, side_of
 from sim.motion.strokes import HandState, quaternion_of
 from sim.person.kinematics import OUTWARD, hand_rotation
 from sim.pose import Transform
@@ -59,7 +59,7 @@ def _on_head(stage: Stage, side: int) -> HandState:
     return laid_on_head(stage, side, laying, like, other)
 
 
-def _both_hands_to_head(stage: Stage) -> Plan:
+def _both_hands_to_head(stage: Stage) -> MotionPlan:
     """Both hands go to the head, stay, and come back."""
     speed = stage.number("speed")
     hands = (HandPlanner(stage.rest(0)), HandPlanner(stage.rest(1)))
@@ -149,7 +149,7 @@ def _over_hand(stage: Stage) -> tuple[HandState, HandState, Transform]:
     return start, laid, grip
 
 
-def _object_splits_hand(stage: Stage) -> Plan:
+def _object_splits_hand(stage: Stage) -> MotionPlan:
     """One hand lays what it holds across the other, which lies on the table, and takes it back."""
     side, speed = stage.side("hand"), stage.number("speed")
     holder, tool = 1 - side, stage.scene.room.objects[0]
@@ -184,7 +184,7 @@ def _wood_objects(values: Values) -> tuple[ObjectSpec, ...]:
     return (ObjectSpec("block", "block", size, (red, green, blue), place, yaw_rad=0.2 * outward),)
 
 
-def _skin_coloured_object(stage: Stage) -> Plan:
+def _skin_coloured_object(stage: Stage) -> MotionPlan:
     """A hand takes the block, shows it before the chest, sets it down further out, and rests."""
     side, speed = stage.side("hand"), stage.number("speed")
     outward, block = OUTWARD[side], stage.scene.room.objects[0]
@@ -220,7 +220,7 @@ def _skin_coloured_object(stage: Stage) -> Plan:
 # Bare forearms.
 
 
-def _bare_forearm(stage: Stage) -> Plan:
+def _bare_forearm(stage: Stage) -> MotionPlan:
     """Talking hands: forearms stood up, laid forward, spread; they are skin, but no target."""
     hands = (HandPlanner(stage.rest(0)), HandPlanner(stage.rest(1)))
     top = stage.scene.room.table_height_m
@@ -251,13 +251,13 @@ def _bare_forearm(stage: Stage) -> Plan:
     return stage.plan(hands, cues=tuple(cues))
 
 
-FAMILIES: Mapping[str, Gesture] = {
-    "both_hands_to_head": Gesture(
+FAMILIES: Mapping[str, Family] = {
+    "both_hands_to_head": Family(
         ("where", "second", "lag", "speed", "wait", "hold", "nod", "curl", "swivel"),
         no_objects,
         _both_hands_to_head,
     ),
-    "object_splits_hand": Gesture(
+    "object_splits_hand": Family(
         (
             "hand",
             "what",
@@ -275,7 +275,7 @@ FAMILIES: Mapping[str, Gesture] = {
         _tool_objects,
         _object_splits_hand,
     ),
-    "skin_coloured_object": Gesture(
+    "skin_coloured_object": Family(
         (
             "hand",
             "tone",
@@ -291,5 +291,5 @@ FAMILIES: Mapping[str, Gesture] = {
         _wood_objects,
         _skin_coloured_object,
     ),
-    "bare_forearm": Gesture(("speed", "pause", "wait"), no_objects, _bare_forearm),
+    "bare_forearm": Family(("speed", "pause", "wait"), no_objects, _bare_forearm),
 }

@@ -12,9 +12,9 @@ from sim.contact.contact import height_above_table
 from sim.families.sizes import BOX, CAN
 from sim.motion.curves import Curve, ellipse, figure_eight, rounds
 from sim.motion.lognormal import talk_gesture
-from sim.motion.motion import Carriage, Cue, Hold, Plan, object_at_rest
+from sim.motion.motion import Carriage, Cue, Hold, MotionPlan, object_at_rest
 from sim.motion.planner import HandPlanner, curled, grasp, raised
-from sim.motion.stage import STILL_S, Gesture, Stage, Values, no_objects, number, side_of
+from sim.motion.stage import STILL_S, Family, Stage, Values, no_objects, number, side_of
 from sim.motion.strokes import HandState, minimum_jerk, quaternion_of
 from sim.person.kinematics import OUTWARD, hand_rotation
 from sim.pose import SIDES, Transform
@@ -29,7 +29,7 @@ def _calm_objects(values: Values) -> tuple[ObjectSpec, ...]:
     )
 
 
-def _calm_table(stage: Stage) -> Plan:
+def _calm_table(stage: Stage) -> MotionPlan:
     """Reach, lift and slide by turns, and now and then carry the thing on that side."""
     rng = stage.streams("actions")
     top = stage.number("speed")
@@ -209,7 +209,7 @@ def _work(worker: _Worker, until_s: float) -> tuple[list[Cue], list[Hold]]:
     return cues, holds
 
 
-def _natural_table(stage: Stage) -> Plan:
+def _natural_table(stage: Stage) -> MotionPlan:
     """Both hands at work, each in its own time: gestures between reaching, sliding, carrying."""
     hands = (HandPlanner(stage.rest(0)), HandPlanner(stage.rest(1)))
     cues: list[Cue] = []
@@ -223,7 +223,7 @@ def _natural_table(stage: Stage) -> Plan:
     return stage.plan(hands, tuple(holds), tuple(cues))
 
 
-def _one_hand_idle(stage: Stage) -> Plan:
+def _one_hand_idle(stage: Stage) -> MotionPlan:
     """One hand lies flat while the other works; at last it works as well."""
     idle = stage.side("idle_hand")
     hands = (HandPlanner(stage.rest(0)), HandPlanner(stage.rest(1)))
@@ -301,7 +301,7 @@ def _bouts(stage: Stage, hand: HandPlanner, centre: HandState, size_m: float) ->
     return cues
 
 
-def _stir_and_wipe(stage: Stage) -> Plan:
+def _stir_and_wipe(stage: Stage) -> MotionPlan:
     """One hand stirs in the cup or wipes with a cloth; the other holds the cup or rests."""
     side = stage.side("hand")
     hands = (HandPlanner(stage.rest(0)), HandPlanner(stage.rest(1)))
@@ -421,7 +421,7 @@ def _out_there(stage: Stage, side: int, x_m: float, aside_m: float) -> HandState
     return HandState(np.array(place), quaternion_of(turned), curls)
 
 
-def _lean_and_reach(stage: Stage) -> Plan:
+def _lean_and_reach(stage: Stage) -> MotionPlan:
     """The torso leans and a hand reaches far out on the table, and back; some times over."""
     rng = stage.streams("reaches")
     hands = (HandPlanner(stage.rest(0)), HandPlanner(stage.rest(1)))
@@ -460,11 +460,11 @@ def _lean_and_reach(stage: Stage) -> Plan:
 
 _WORK = ("speed", "talk", "pause", "object_x", "object_y")
 
-FAMILIES: Mapping[str, Gesture] = {
-    "calm_table": Gesture(("speed", "object_x", "object_y"), _calm_objects, _calm_table),
-    "natural_table": Gesture(_WORK, _calm_objects, _natural_table),
-    "one_hand_idle": Gesture((*_WORK, "idle_hand", "idle"), _calm_objects, _one_hand_idle),
-    "stir_and_wipe": Gesture(
+FAMILIES: Mapping[str, Family] = {
+    "calm_table": Family(("speed", "object_x", "object_y"), _calm_objects, _calm_table),
+    "natural_table": Family(_WORK, _calm_objects, _natural_table),
+    "one_hand_idle": Family((*_WORK, "idle_hand", "idle"), _calm_objects, _one_hand_idle),
+    "stir_and_wipe": Family(
         (
             "task",
             "hand",
@@ -484,7 +484,7 @@ FAMILIES: Mapping[str, Gesture] = {
         _stir_objects,
         _stir_and_wipe,
     ),
-    "lean_and_reach": Gesture(
+    "lean_and_reach": Family(
         (
             "hand",
             "speed",

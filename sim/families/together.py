@@ -10,9 +10,9 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.contact.contact import Capsules, capsule_gap, hand_capsules
-from sim.motion.motion import Cue, HandMotion, Hold, Plan, object_at_rest
+from sim.motion.motion import Cue, HandMotion, Hold, MotionPlan, object_at_rest
 from sim.motion.planner import HandPlanner, curled, grasp, raised
-from sim.motion.stage import STILL_S, Gesture, Stage, Values, no_objects, number, side_of
+from sim.motion.stage import STILL_S, Family, Stage, Values, no_objects, number, side_of
 from sim.motion.strokes import HandPath, HandState, between, quaternion_of
 from sim.person.kinematics import OUTWARD, hand_rotation
 from sim.pose import Transform
@@ -173,7 +173,7 @@ def _shifted(state: HandState, by_m: Floats) -> HandState:
     return replace(state, position_m=state.position_m + by_m)
 
 
-def _merge_and_hold(stage: Stage) -> Plan:
+def _merge_and_hold(stage: Stage) -> MotionPlan:
     """One hand is laid as a fist into the other, which closes round it; they stay, and part."""
     speed, outer = stage.number("speed"), stage.side("outer")
     inner, rng = 1 - outer, stage.streams("drift")
@@ -224,7 +224,7 @@ def _merge_and_hold(stage: Stage) -> Plan:
     )
 
 
-def _clap(stage: Stage) -> Plan:
+def _clap(stage: Stage) -> MotionPlan:
     """Palms meet at a steady tempo a number of times, wider the slower, and rest."""
     f, lift = stage.number("frequency"), stage.number("finger_lift")
     turn = 0.5 * stage.number("palm_turn")
@@ -261,7 +261,7 @@ def _clap(stage: Stage) -> Plan:
     return stage.plan(paths, cues=(Cue("clapping", begun, tempo.end_s), *claps))
 
 
-def _roll_forearms(stage: Stage) -> Plan:
+def _roll_forearms(stage: Stage) -> MotionPlan:
     """The forearms roll round each other before the chest, fists closed."""
     radius = stage.number("radius")
     hands = _start(stage)
@@ -314,7 +314,7 @@ def _thing_bars(thing: ObjectSpec, place: Transform) -> Capsules:
     return Capsules(starts, ends, radii).placed(place.position_m, place.rotation)
 
 
-def _pass_object(stage: Stage) -> Plan:
+def _pass_object(stage: Stage) -> MotionPlan:
     """One hand brings a thing to the middle, the other takes it there and sets it down."""
     giver, speed = stage.side("giver"), stage.number("speed")
     taker = 1 - giver
@@ -409,8 +409,8 @@ def _together(a: Capsules, b: Capsules) -> Capsules:
     )
 
 
-FAMILIES: Mapping[str, Gesture] = {
-    "merge_and_hold": Gesture(
+FAMILIES: Mapping[str, Family] = {
+    "merge_and_hold": Family(
         (
             "outer",
             "hold",
@@ -425,7 +425,7 @@ FAMILIES: Mapping[str, Gesture] = {
         no_objects,
         _merge_and_hold,
     ),
-    "clap": Gesture(
+    "clap": Family(
         (
             "frequency",
             "claps",
@@ -441,7 +441,7 @@ FAMILIES: Mapping[str, Gesture] = {
         no_objects,
         _clap,
     ),
-    "roll_forearms": Gesture(
+    "roll_forearms": Family(
         (
             "frequency",
             "turns",
@@ -458,7 +458,7 @@ FAMILIES: Mapping[str, Gesture] = {
         no_objects,
         _roll_forearms,
     ),
-    "pass_object": Gesture(
+    "pass_object": Family(
         (
             "giver",
             "thing",

@@ -20,9 +20,9 @@ from sim.families.crossing import (
     merged_shares,
     share_time,
 )
-from sim.motion.motion import Cue, Plan
+from sim.motion.motion import Cue, MotionPlan
 from sim.motion.planner import HandPlanner, raised
-from sim.motion.stage import STILL_S, Gesture, Stage, Values, no_objects, number
+from sim.motion.stage import STILL_S, Family, Stage, Values, no_objects, number
 from sim.motion.strokes import Stroke
 from sim.person.kinematics import OUTWARD
 from sim.specs import ObjectSpec
@@ -32,7 +32,7 @@ _SCREEN_RGB = (0.16, 0.25, 0.24)
 _TURN_S = 0.9  # to change sides behind the screen
 
 
-def _mirror(stage: Stage) -> Plan:
+def _mirror(stage: Stage) -> MotionPlan:
     """The hands meet again and again; each time a coin says whether they cross or return."""
     a = approach(stage, stage.number("bow"))
     # As many coins whatever the number of meetings, so that fewer begin like more.
@@ -89,7 +89,7 @@ def _screen(values: Values) -> tuple[ObjectSpec, ...]:
     return (ObjectSpec("screen", "box", size, _SCREEN_RGB, place),)
 
 
-def _swap_hidden(stage: Stage) -> Plan:
+def _swap_hidden(stage: Stage) -> MotionPlan:
     """Both hands go behind a screen, and come out crossed or not, at the same places."""
     a = approach(stage)
     speed, time_s = stage.number("speed"), stage.number("hidden")
@@ -150,7 +150,7 @@ def _beside(stage: Stage, centre_m: Floats, gap_m: float) -> Pair:
     return places(high)
 
 
-def _parallel(stage: Stage) -> Plan:
+def _parallel(stage: Stage) -> MotionPlan:
     """The hands come side by side, go the same ways together, and part."""
     rng, speed = stage.streams("paths"), stage.number("speed")
     centre = np.array(
@@ -187,8 +187,8 @@ def _parallel(stage: Stage) -> Plan:
     return stage.plan(hands, cues=(Cue("parallel", joined, parted), Cue("part", parted, ended)))
 
 
-FAMILIES: Mapping[str, Gesture] = {
-    "mirror": Gesture(
+FAMILIES: Mapping[str, Family] = {
+    "mirror": Family(
         (
             *(name for name in APPROACH if name not in ("hold", "merge_gap")),
             "overlap",
@@ -199,7 +199,7 @@ FAMILIES: Mapping[str, Gesture] = {
         no_objects,
         _mirror,
     ),
-    "swap_hidden": Gesture(
+    "swap_hidden": Family(
         (
             *(name for name in APPROACH if name not in ("hold", "merge_gap", "bow")),
             "hidden",
@@ -213,7 +213,7 @@ FAMILIES: Mapping[str, Gesture] = {
         _screen,
         _swap_hidden,
     ),
-    "parallel": Gesture(
+    "parallel": Family(
         (
             "speed",
             "gap",

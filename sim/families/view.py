@@ -13,9 +13,9 @@ from pjpdaf.camera import Camera, distort_points, project, to_camera
 from pjpdaf.errors import BenchError
 from sim.anatomy import Anatomy
 from sim.contact.contact import Capsules, hand_capsules
-from sim.motion.motion import Carriage, Cue, Plan, object_at_rest, posture
+from sim.motion.motion import Carriage, Cue, MotionPlan, object_at_rest, posture
 from sim.motion.planner import HandPlanner, raised
-from sim.motion.stage import STILL_S, Gesture, Stage, Values, no_objects, number, side_of
+from sim.motion.stage import STILL_S, Family, Stage, Values, no_objects, number, side_of
 from sim.motion.strokes import HandState, minimum_jerk
 from sim.person.kinematics import OUTWARD, shoulders
 from sim.scene.rig import stereo_rig
@@ -127,7 +127,7 @@ def _behind(stage: Stage, side: int, camera: Camera, post: ObjectSpec) -> HandSt
     return state
 
 
-def _one_view_occluder(stage: Stage) -> Plan:
+def _one_view_occluder(stage: Stage) -> MotionPlan:
     """A hand comes down behind the post from above, waits there, goes up again; `visits` times."""
     side, speed, view = stage.side("hand"), stage.number("speed"), str(stage.values["view"])
     post = stage.scene.room.objects[0]
@@ -161,7 +161,7 @@ def _one_view_occluder(stage: Stage) -> Plan:
 # Under the table.
 
 
-def _hand_under_table(stage: Stage) -> Plan:
+def _hand_under_table(stage: Stage) -> MotionPlan:
     """Back over the table's near edge beside the belly, down, forward over the thigh; and back."""
     side, speed = stage.side("hand"), stage.number("speed")
     outward, room = OUTWARD[side], stage.scene.room
@@ -265,7 +265,7 @@ def _lean_towards(stage: Stage, side: int, state: HandState) -> float:
     return OUTWARD[side] * high
 
 
-def _leave_view(stage: Stage) -> Plan:
+def _leave_view(stage: Stage) -> MotionPlan:
     """A hand reaches sideways past the edge of one picture, then of both, and comes back."""
     side, speed = stage.side("hand"), stage.number("speed")
     outward, anatomy = OUTWARD[side], stage.scene.anatomy
@@ -304,8 +304,8 @@ def _leave_view(stage: Stage) -> Plan:
     return stage.plan(hands, cues=cues, carriage=carriage)
 
 
-FAMILIES: Mapping[str, Gesture] = {
-    "one_view_occluder": Gesture(
+FAMILIES: Mapping[str, Family] = {
+    "one_view_occluder": Family(
         (
             "hand",
             "view",
@@ -327,7 +327,7 @@ FAMILIES: Mapping[str, Gesture] = {
         _post_objects,
         _one_view_occluder,
     ),
-    "hand_under_table": Gesture(
+    "hand_under_table": Family(
         (
             "hand",
             "speed",
@@ -344,7 +344,7 @@ FAMILIES: Mapping[str, Gesture] = {
         no_objects,
         _hand_under_table,
     ),
-    "leave_view": Gesture(
+    "leave_view": Family(
         (
             "hand",
             "speed",

@@ -110,7 +110,7 @@ UPRIGHT = Upright()
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class MotionPlan:
     """What a performer does: paths of both hands, what they hold, and the body's small motions."""
 
     hands: tuple[HandMotion, HandMotion]
@@ -233,7 +233,7 @@ class Performer:
     """A `sim.script.Script`: plays a plan in a scene. Pure in t."""
 
     scene: SceneSpec
-    plan: Plan
+    plan: MotionPlan
     _table: Table = field(init=False)
 
     def __post_init__(self) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pjpdaf.errors import BenchError
-from sim.motion.motion import UPRIGHT, CarriageMotion, Cue, HandMotion, Hold, Plan
+from sim.motion.motion import UPRIGHT, CarriageMotion, Cue, HandMotion, Hold, MotionPlan
 from sim.motion.planner import HandPlanner, resting
 from sim.motion.strokes import HandState, wobble
 from sim.specs import ObjectSpec, SceneSpec
@@ -70,7 +70,7 @@ class Stage:
         holds: tuple[Hold, ...] = (),
         cues: tuple[Cue, ...] = (),
         carriage: CarriageMotion = UPRIGHT,
-    ) -> Plan:
+    ) -> MotionPlan:
         """The plan of these hands with this person's sway and tremor."""
         right, left = (h.path() if isinstance(h, HandPlanner) else h for h in hands)
         sway = wobble(self.streams("sway"), self.number("head_sway"), 0.2, 0.5)
@@ -78,7 +78,7 @@ class Stage:
             wobble(self.streams(f"tremor-{side}"), self.number("tremor"), 0.5, 1.6)
             for side in (0, 1)
         )
-        return Plan(
+        return MotionPlan(
             hands=(right, left),
             sway=sway,
             tremor=(tremor[0], tremor[1]),
@@ -95,9 +95,9 @@ def no_objects(values: Values) -> tuple[ObjectSpec, ...]:
 
 
 @dataclass(frozen=True)
-class Gesture:
+class Family:
     """A family's entry: the parameters it needs, the objects it puts on the table, its plan."""
 
     parameters: tuple[str, ...]
     objects: Callable[[Values], tuple[ObjectSpec, ...]]
-    plan: Callable[[Stage], Plan]
+    plan: Callable[[Stage], MotionPlan]

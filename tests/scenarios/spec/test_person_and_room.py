@@ -20,7 +20,7 @@ from scenarios.spec.person_and_room import (
     skin_rgb,
 )
 from sim.camera.colour import light_rgb
-from sim.families.registry import GESTURES
+from sim.families.registry import FAMILIES
 from sim.randomness import generator
 from sim.scene.world import build
 
@@ -41,7 +41,7 @@ def values(seed=100, **overrides):
 def things_of(name):
     """Objects of a scenario's own gesture."""
     scenario = load_scenario(name)
-    return GESTURES[scenario.motion.kind].objects(in_si(scenario, concrete(scenario, 100)))
+    return FAMILIES[scenario.motion.kind].objects(in_si(scenario, concrete(scenario, 100)))
 
 
 @cache

@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 from pjpdaf.targets import TARGETS
-from sim.dataset.records import HIDDEN, KEYPOINTS, NO_SURFACE, OUT_OF_FRAME, SEEN
+from sim.dataset.labels.records import HIDDEN, KEYPOINTS, NO_SURFACE, OUT_OF_FRAME, SEEN
 from sim.scene.world import CAMERAS, ZFAR_M, ZNEAR_M
 
 KIND = "pjpdaf-bench data set"

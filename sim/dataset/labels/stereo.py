@@ -20,7 +20,7 @@ from pjpdaf.arrays import Floats
 from pjpdaf.calibration import rectify
 from pjpdaf.camera import Camera, StereoRig, distort_points
 from sim.camera.render import NO_LENS
-from sim.dataset.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN, Matches
+from sim.dataset.labels.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN, Matches
 from sim.lens import Lens, ideal_pixels
 
 Float32s = NDArray[np.float32]

@@ -9,15 +9,13 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from pjpdaf.arrays import Floats
+from pjpdaf.arrays import Floats, Image
 from sim.dataset.check.depth import STILL, Crossing
 from sim.dataset.check.fault import Fault
 from sim.dataset.check.frame import Frame
 from sim.scene.world import CAMERAS
 
-Picture = NDArray[np.uint8]
 BLUR_PX = 5
 FEW = 50  # points that both views show
 # The residual of the wrong hypothesis was 3.4 to 16 times that of the right one in 12 data sets
@@ -25,7 +23,7 @@ FEW = 50  # points that both views show
 RATIO = 0.7
 
 
-def exchanged(pictures: tuple[Picture, Picture], crossing: Crossing) -> bool:
+def views_swapped(pictures: tuple[Image, Image], crossing: Crossing) -> bool:
     """Whether left and right picture are each other's; crossing: from left to right."""
     if len(crossing.places_px) < FEW:
         return False
@@ -41,7 +39,7 @@ def exchanged_faults(frame: Frame, crossing: Crossing, kind: str = "") -> list[F
     pictures = [eye.clean if kind == "clean" else eye.picture for eye in frame.eyes]
     if pictures[0] is None or pictures[1] is None:
         return []
-    if not exchanged((pictures[0], pictures[1]), crossing):
+    if not views_swapped((pictures[0], pictures[1]), crossing):
         return []
     return [Fault(frame.file(kind, v), wrong_eye(v)) for v in (0, 1)]
 
@@ -51,7 +49,7 @@ def wrong_eye(view: int) -> str:
     return f"is a picture of the {CAMERAS[1 - view]} camera"
 
 
-def lone_fault(frame: Frame, view: int, backgrounds: tuple[Picture, Picture]) -> list[Fault]:
+def lone_fault(frame: Frame, view: int, backgrounds: tuple[Image, Image]) -> list[Fault]:
     """Of a picture whose other eye did not arrive: which eye's background does it have?"""
     eye = frame.eyes[view]
     if eye.picture is None or eye.seg is None:
@@ -68,11 +66,11 @@ def lone_fault(frame: Frame, view: int, backgrounds: tuple[Picture, Picture]) ->
     return []
 
 
-def _residual(first: Picture, at: Floats, second: Picture, places_px: Floats) -> float:
+def _residual(first: Image, at: Floats, second: Image, places_px: Floats) -> float:
     return float(cv2.absdiff(_sampled(first, at), _sampled(second, places_px)).mean())
 
 
-def _sampled(picture: Picture, at: Floats) -> Picture:
+def _sampled(picture: Image, at: Floats) -> Image:
     x, y = np.ascontiguousarray(at.T, np.float32)
-    found: Picture = cv2.remap(picture, x[None], y[None], cv2.INTER_LINEAR)
+    found: Image = cv2.remap(picture, x[None], y[None], cv2.INTER_LINEAR)
     return found

@@ -14,10 +14,10 @@ from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from sim.camera.clock import MOST_OF_PERIOD
 from sim.dataset.check.fault import Claim
-from sim.dataset.export.rows import Row, frames_of
-from sim.dataset.layout import OBJECTS, RIG, TRUTH
-from sim.dataset.reader import Sequence
-from sim.dataset.records import KEYPOINTS
+from sim.dataset.files.layout import OBJECTS, RIG, TRUTH
+from sim.dataset.frame_rows import FrameRow, frames_of
+from sim.dataset.labels.records import KEYPOINTS
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 from sim.truth import Truth
 
@@ -26,15 +26,15 @@ _CENTRES = [KEYPOINTS.index((t, "palm_centre" if t else "head_centre")) for t in
 
 
 @dataclass(frozen=True, eq=False)
-class Told:
+class FrameTables:
     """A frame's rows. truth: the record of them; rows: per target; objects: per object.
 
     keypoints_m (K, 3); per view keypoints_px (K, 2) and keypoint_status (K,).
     """
 
     truth: Truth
-    rows: tuple[Row, ...]
-    objects: tuple[Row, ...]
+    rows: tuple[FrameRow, ...]
+    objects: tuple[FrameRow, ...]
     keypoints_m: Floats
     keypoints_px: tuple[Floats, ...]
     keypoint_status: tuple[NDArray[np.int64], ...]
@@ -45,7 +45,7 @@ class Told:
         return tuple(bool(self.rows[0][f"arrived_{camera}"]) for camera in CAMERAS)
 
 
-def told_of(sequence: Sequence) -> list[Told]:
+def read_frames(sequence: StoredSequence) -> list[FrameTables]:
     """All frames. Raises BenchError that names the table where one is damaged."""
     truths, frames = sequence.truths, frames_of(sequence)
     names = _object_names(sequence)
@@ -61,7 +61,7 @@ def told_of(sequence: Sequence) -> list[Told]:
         if any(one is None or None in (one["instance"], one["pixels"]) for one in hidden):
             raise BenchError(f"{sequence.folder / TRUTH}: frame {i}: occluded_by lacks values.")
         found.append(
-            Told(
+            FrameTables(
                 truth,
                 rows,
                 frame.objects,
@@ -97,7 +97,7 @@ class Numbers:
     objects_px: NDArray[np.int64]
 
 
-def numbers_of(sequence: Sequence, told: list[Told]) -> Numbers:
+def numbers_of(sequence: StoredSequence, told: list[FrameTables]) -> Numbers:
     """The numbers of its rows."""
     views = [[frame.truth.views[v] for frame in told] for v in range(len(CAMERAS))]
     ids = tuple(one.id for one in sequence.instances if one.kind == "object")
@@ -123,7 +123,7 @@ def numbers_of(sequence: Sequence, told: list[Told]) -> Numbers:
     )
 
 
-def time_claims(name: str, told: list[Told], fps: float) -> Iterator[Claim]:
+def time_claims(name: str, told: list[FrameTables], fps: float) -> Iterator[Claim]:
     """Times, stamps, and what must be the same in all rows of a frame."""
     file, last_s = f"{name}/{TRUTH}", -math.inf
     common = ("time_s", "stamp_s", "arrived_left", "arrived_right", "events")
@@ -142,7 +142,7 @@ def time_claims(name: str, told: list[Told], fps: float) -> Iterator[Claim]:
                 yield Claim(f"{name}/{OBJECTS}", "time_s", i, "is not that of truth.parquet")
 
 
-def shape_claims(name: str, told: list[Told]) -> Iterator[Claim]:
+def shape_claims(name: str, told: list[FrameTables]) -> Iterator[Claim]:
     """Rotations, centres, surfaces, fractions."""
     file = f"{name}/{TRUTH}"
     for i, frame in enumerate(told):
@@ -171,17 +171,17 @@ def shape_claims(name: str, told: list[Told]) -> Iterator[Claim]:
                     yield Claim(file, kind, i, f"is {fraction}, visible / amodal is {wanted:.6g}")
 
 
-def _object_names(sequence: Sequence) -> list[str]:
+def _object_names(sequence: StoredSequence) -> list[str]:
     """Names of the objects of rig.json, in order."""
     return [one.name for one in sequence.instances if one.kind == "object"]
 
 
-def _points(rows: tuple[Row, ...], key: str, size: int) -> Floats:
+def _points(rows: tuple[FrameRow, ...], key: str, size: int) -> Floats:
     points = [point for row in rows for point in row[key]]
     array = np.array([[np.nan if v is None else v for v in p] for p in points], np.float64)
     assert array.shape == (len(KEYPOINTS), size), "frames_of has checked it"
     return array
 
 
-def _statuses(rows: tuple[Row, ...], key: str) -> NDArray[np.int64]:
+def _statuses(rows: tuple[FrameRow, ...], key: str) -> NDArray[np.int64]:
     return np.array([value for row in rows for value in row[key]], np.int64)

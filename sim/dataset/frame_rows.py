@@ -12,19 +12,20 @@ import pyarrow.compute as pc
 
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
-from sim.dataset.layout import OBJECTS, RIG, TRUTH
-from sim.dataset.reader import Sequence, read_table
-from sim.dataset.records import KEYPOINTS, NOT_LABELLED, OCCLUDED, VISIBLE
-from sim.dataset.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA
+from sim.dataset.files.layout import OBJECTS, RIG, TRUTH
+from sim.dataset.files.reading import read_table
+from sim.dataset.files.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA
+from sim.dataset.labels.records import KEYPOINTS, NOT_LABELLED, OCCLUDED, VISIBLE
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
-Row = Mapping[str, Any]
+FrameRow = Mapping[str, Any]
 # What has no value where a target is not seen.
 _MAY_LACK = ("u_", "v_", "box_", "amodal_box_", "surface_")
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class FrameRows:
     """A frame's rows of truth.parquet, in the order of TARGETS, and of objects.parquet.
 
     arrived: by camera, whether its picture did.
@@ -34,11 +35,11 @@ class Frame:
     time_s: float
     stamp_s: float
     arrived: Mapping[str, bool]
-    targets: tuple[Row, ...]
-    objects: tuple[Row, ...]
+    targets: tuple[FrameRow, ...]
+    objects: tuple[FrameRow, ...]
 
 
-def frames_of(sequence: Sequence) -> list[Frame]:
+def frames_of(sequence: StoredSequence) -> list[FrameRows]:
     """All frames in order. Raises BenchError with the file's name where a table is damaged."""
     path = sequence.folder / TRUTH
     rows = _rows(path, TRUTH_SCHEMA)
@@ -61,7 +62,7 @@ def frames_of(sequence: Sequence) -> list[Frame]:
                 )
         first = mine[0]
         frames.append(
-            Frame(
+            FrameRows(
                 index,
                 first["time_s"],
                 first["stamp_s"],
@@ -73,7 +74,7 @@ def frames_of(sequence: Sequence) -> list[Frame]:
     return frames
 
 
-def object_kinds(sequence: Sequence) -> dict[str, str]:
+def object_kinds(sequence: StoredSequence) -> dict[str, str]:
     """Kind of each object by its name, e.g. a can."""
     listed = sequence.rig_json.get("objects")
     try:
@@ -82,7 +83,7 @@ def object_kinds(sequence: Sequence) -> dict[str, str]:
         raise BenchError(f"{sequence.folder / RIG}: objects: is no list of name, kind.") from fault
 
 
-def box_of(row: Row, camera: str, prefix: str = "") -> list[float] | None:
+def box_of(row: FrameRow, camera: str, prefix: str = "") -> list[float] | None:
     """x, y, width, height of a target's row in a view, None where nothing of it is visible.
 
     prefix: "amodal_" for the box with all other things removed.
@@ -91,8 +92,8 @@ def box_of(row: Row, camera: str, prefix: str = "") -> list[float] | None:
     return None if None in values else values
 
 
-def _objects(sequence: Sequence) -> dict[int, list[Row]]:
-    found: dict[int, list[Row]] = {}
+def _objects(sequence: StoredSequence) -> dict[int, list[FrameRow]]:
+    found: dict[int, list[FrameRow]] = {}
     for row in _rows(sequence.folder / OBJECTS, OBJECTS_SCHEMA):
         found.setdefault(row["frame_index"], []).append(row)
     return found
@@ -112,7 +113,7 @@ def _rows(path: Path, schema: pa.Schema) -> list[dict[str, Any]]:
     return list(table.to_pylist())
 
 
-def _shaped(row: Row, keypoints: int) -> bool:
+def _shaped(row: FrameRow, keypoints: int) -> bool:
     """Whether a target's row has a box where it is visible, and keypoints of the right sizes."""
     if not _points(row["keypoints_m"], [OCCLUDED] * keypoints, 3):
         return False

@@ -14,7 +14,7 @@ from sim.lens import ideal_pixels
 Places = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
-class Sight:
+class PixelRays:
     """camera: any, with its lens; rays_w (h, w, 3): of its pixels, at depth 1, in the world."""
 
     def __init__(self, camera: Camera) -> None:

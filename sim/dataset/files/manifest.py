@@ -8,14 +8,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from sim.dataset.layout import KIND, MANIFEST, SCHEMA_VERSION
+from sim.dataset.files.layout import KIND, MANIFEST, SCHEMA_VERSION
 from sim.files import written_whole_file
 
 LICENCE = "CC-BY-4.0"  # of the pictures and labels that are made
 
 
 @dataclass(frozen=True)
-class Entry:
+class SequenceEntry:
     """A sequence of a data set.
 
     folder: its name; scenario, label, group, seed: what is played (label: its name in results);
@@ -34,7 +34,7 @@ class Entry:
 
 
 def manifest_record(
-    entries: Sequence[Entry],
+    entries: Sequence[SequenceEntry],
     settings: Mapping[str, Any],
     made_with: Mapping[str, Any],
     complete: bool,

@@ -7,7 +7,7 @@ import pytest
 
 from pjpdaf.targets import TARGETS
 from sim.camera.render import StereoRenderer
-from sim.dataset.instances import (
+from sim.dataset.labels.instances import (
     FIRST_OBJECT,
     MOST,
     NOTHING,

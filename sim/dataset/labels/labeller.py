@@ -15,9 +15,9 @@ from pjpdaf.camera import Camera
 from pjpdaf.targets import TARGETS
 from sim.camera.rays import cast
 from sim.camera.render import StereoRenderer, ViewRender
-from sim.dataset.instances import FIRST_OBJECT, Instances, instances_of
-from sim.dataset.keypoints import Keypoints
-from sim.dataset.records import (
+from sim.dataset.labels.instances import FIRST_OBJECT, Instances, instances_of
+from sim.dataset.labels.keypoints import Keypoints
+from sim.dataset.labels.records import (
     KEYPOINTS,
     NOT_LABELLED,
     FrameLabels,
@@ -25,12 +25,12 @@ from sim.dataset.records import (
     ObjectState,
     ViewLabels,
 )
-from sim.dataset.stereo import Depths, Float32s, PicturePair, RectifiedPair, shown
+from sim.dataset.labels.stereo import Depths, Float32s, PicturePair, RectifiedPair, shown
 from sim.labels import VELOCITY_STEP_S
 from sim.lens import Lens
 from sim.pose import Pose, Transform
 from sim.scene.world import World
-from sim.sequence import Shot, Simulation
+from sim.sequence import RenderedFrame, Simulation
 from sim.vectors import about_z
 
 DISPARITY, CORRESPONDENCE = "disparity", "correspondence"
@@ -38,7 +38,7 @@ _CENTRES = [KEYPOINTS.index((t, "palm_centre" if t else "head_centre")) for t in
 
 
 class Labeller:
-    """Labels the frames of a simulation; shots stay as `Simulation.shot` gives them.
+    """Labels the frames of a simulation; shots stay as `Simulation.render` gives them.
 
     wanted: of WANTED, the labels that cost more; raises ValueError for another word.
 
@@ -64,14 +64,17 @@ class Labeller:
             for camera, lens in zip(world.rig.cameras, world.lenses, strict=True)
         ]
 
-    def labelled(self, index: int) -> tuple[Shot, FrameLabels]:
-        """The shot of this index with its labels; any order, any time, the same."""
-        shot = self.simulation.shot(index, self._look)
+    def labelled(self, index: int) -> tuple[RenderedFrame, FrameLabels]:
+        """The rendered of this index with its labels; any order, any time, the same."""
+        rendered = self.simulation.render(index, self._render_extras)
         script, scene = self.simulation.performance.script, self.simulation.performance.scene
         skew_s = scene.sensor.skew_s
-        poses = shot.pose, script.pose(shot.truth.time_s + skew_s) if skew_s > 0 else shot.pose
-        depths = [_depth(view) for view in shot.views]
-        first: _Looked = shot.looks[0]
+        poses = (
+            rendered.pose,
+            script.pose(rendered.truth.time_s + skew_s) if skew_s > 0 else rendered.pose,
+        )
+        depths = [_depth(view) for view in rendered.views]
+        first: _ExtraRenders = rendered.hook_results[0]
         pair = depths[0], depths[1] if first.other is None else first.other
         rectified: Both = (None, None)
         matches: Both = (None, None)
@@ -81,24 +84,24 @@ class Labeller:
             matches = self._matches.matches(pair)
         left, right = (
             replace(
-                self._view(view, shot, poses[view], depths[view]),
+                self._view(view, rendered, poses[view], depths[view]),
                 rectified=rectified[view],
                 matches=matches[view],
             )
             for view in (0, 1)
         )
-        parts = (shot.pose.head, *shot.pose.hands)
+        parts = (rendered.pose.head, *rendered.pose.hands)
         labels = FrameLabels(
             quaternions=_quaternions(np.array([part.rotation for part in parts])),
-            keypoints_m=self._keypoints.places(shot.pose),
+            keypoints_m=self._keypoints.places(rendered.pose),
             views=(left, right),
-            objects=self._objects(shot.pose),
+            objects=self._objects(rendered.pose),
         )
-        return replace(shot, looks=(None, None)), labels
+        return replace(rendered, hook_results=(None, None)), labels
 
-    def _look(
+    def _render_extras(
         self, world: World, renderer: StereoRenderer, index: int, view: ViewRender
-    ) -> _Looked:
+    ) -> _ExtraRenders:
         assert view.amodal is not None
         inside = beyond = None
         if any(not mask.any() or touches_border(mask) for mask in view.amodal):
@@ -112,11 +115,13 @@ class Labeller:
                 rectified = left, right
             if skewed and (self._matches is not None or (pair is not None and not pair.drawn)):
                 other = _depth(renderer.view(1, colour=False, amodal=False))
-        return _Looked(inside, beyond, rectified, other)
+        return _ExtraRenders(inside, beyond, rectified, other)
 
-    def _view(self, index: int, shot: Shot, pose: Pose, depth_m: Float32s) -> ViewLabels:
+    def _view(
+        self, index: int, rendered: RenderedFrame, pose: Pose, depth_m: Float32s
+    ) -> ViewLabels:
         """One view's labels but for those of the pair; pose: of its own moment."""
-        view, world = shot.views[index], self.simulation.world
+        view, world = rendered.views[index], self.simulation.world
         assert view.geoms is not None
         assert view.amodal is not None
         instances = self.instances.ids(view.geoms)
@@ -124,7 +129,7 @@ class Labeller:
             pose, world.rig.cameras[index], world.lenses[index], instances, depth_m
         )
         counts = np.bincount(instances.ravel(), minlength=self.instances.highest + 1)
-        looked: _Looked = shot.looks[index]
+        looked: _ExtraRenders = rendered.hook_results[index]
         in_frame = status[_CENTRES] != NOT_LABELLED
         return ViewLabels(
             depth_m=depth_m,
@@ -179,7 +184,7 @@ Both = tuple[Matches, Matches] | tuple[None, None]
 
 
 @dataclass(frozen=True, eq=False)
-class _Looked:
+class _ExtraRenders:
     """What is rendered for labels alone while the world stands in a view's pose.
 
     Where a target may be cut off, inside (T,): pixels of its amodal mask inside the picture, beyond

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pjpdaf.errors import BenchError
-from sim.dataset.layout import DEPTH_UNIT_M, DISPARITY_SCALE, FLOW_SCALE, FLOW_ZERO
-from sim.dataset.records import NO_SURFACE, Matches
+from sim.dataset.files.layout import DEPTH_UNIT_M, DISPARITY_SCALE, FLOW_SCALE, FLOW_ZERO
+from sim.dataset.labels.records import NO_SURFACE, Matches
 
 _PNG = b"\x89PNG\r\n\x1a\n"
 # What the libraries raise of a file that is none, cut short, locked or packed in another way.

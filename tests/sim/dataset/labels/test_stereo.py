@@ -10,8 +10,8 @@ from pjpdaf.calibration import rectify
 from pjpdaf.camera import Camera, StereoRig, distort_points, project, to_camera
 from sim.camera.rays import cast
 from sim.camera.render import StereoRenderer
-from sim.dataset.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN
-from sim.dataset.stereo import PicturePair, RectifiedPair, shown
+from sim.dataset.labels.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN
+from sim.dataset.labels.stereo import PicturePair, RectifiedPair, shown
 from sim.labels import back_project
 from sim.lens import lens_of
 from sim.person.rest import rest_pose

@@ -10,9 +10,9 @@ from pjpdaf.camera import distort_points, project, to_camera
 from sim.anatomy import Anatomy
 from sim.camera.rays import cast
 from sim.camera.render import StereoRenderer
-from sim.dataset.instances import instances_of
-from sim.dataset.keypoints import MARGIN, Keypoints
-from sim.dataset.records import KEYPOINTS, NOT_LABELLED, OCCLUDED, VISIBLE
+from sim.dataset.labels.instances import instances_of
+from sim.dataset.labels.keypoints import MARGIN, Keypoints
+from sim.dataset.labels.records import KEYPOINTS, NOT_LABELLED, OCCLUDED, VISIBLE
 from sim.person.body import SKIN
 from sim.person.hand import FINGERS, fingers
 from sim.person.rest import rest_pose

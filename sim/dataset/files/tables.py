@@ -9,8 +9,8 @@ import numpy as np
 import pyarrow as pa
 
 from pjpdaf.targets import TARGETS
-from sim.dataset.instances import Instances
-from sim.dataset.records import FrameLabels
+from sim.dataset.labels.instances import Instances
+from sim.dataset.labels.records import FrameLabels
 from sim.scene.world import CAMERAS
 from sim.truth import Truth, ViewTruth
 

@@ -11,10 +11,10 @@ from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
 from sim.camera.rays import cast
-from sim.dataset.instances import FIRST_OBJECT, PERSON
-from sim.dataset.labeller import Labeller
-from sim.dataset.records import KEYPOINTS, NO_SURFACE, NOT_LABELLED, OCCLUDED, SEEN, VISIBLE
-from sim.dataset.stereo import shown
+from sim.dataset.labels.instances import FIRST_OBJECT, PERSON
+from sim.dataset.labels.labeller import Labeller
+from sim.dataset.labels.records import KEYPOINTS, NO_SURFACE, NOT_LABELLED, OCCLUDED, SEEN, VISIBLE
+from sim.dataset.labels.stereo import shown
 from sim.labels import centres, velocities
 from sim.person.rest import rest_pose
 from sim.pose import Transform
@@ -90,13 +90,13 @@ EFFECTS = SensorSpec(exposure_time_s=0.01, skew_s=0.03, noise_sd=2.0)
 )
 def test_labels_change_no_byte_of_a_shot(playing):
     with Simulation(playing) as simulation:
-        bare = [simulation.shot(index) for index in range(8, 10)]
+        bare = [simulation.render(index) for index in range(8, 10)]
     with Simulation(playing) as simulation:
         labeller = Labeller(simulation)
         labelled = [labeller.labelled(index)[0] for index in (9, 8)][::-1]
     for one, other in zip(bare, labelled, strict=True):
         assert one.frame.time_s == other.frame.time_s
-        assert one.looks == other.looks == (None, None)
+        assert one.hook_results == other.hook_results == (None, None)
         for mine, its in zip(one.frame.pictures, other.frame.pictures, strict=True):
             assert (mine is None) == (its is None)
             if mine is not None:

@@ -9,8 +9,8 @@ from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, project, to_camera
 from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND
 from sim.anatomy import Anatomy
-from sim.dataset.records import KEYPOINTS, NOT_LABELLED, OCCLUDED, VISIBLE
-from sim.dataset.stereo import shown
+from sim.dataset.labels.records import KEYPOINTS, NOT_LABELLED, OCCLUDED, VISIBLE
+from sim.dataset.labels.stereo import shown
 from sim.lens import Lens
 from sim.person.hand import FINGERS, fingers, joint_angles, palm_surface
 from sim.person.head import head_surface
