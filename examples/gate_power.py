@@ -26,8 +26,9 @@ from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detections, Estimates
 from pjpdaf.plugins.registry import make_detector, make_tracker
 from reports.gate.gate import compare
-from reports.run.results import RunInfo, SavedRun, load, save
+from reports.run.load import SavedRun, load
 from reports.run.rows import EpisodeRows, rows_of
+from reports.run.save import RunInfo, save
 from reports.score.records import EpisodeFailure
 from scenarios.play.play import Job, System, digest_of, play_footage
 from scenarios.run.run import RunRequest, entry_of, plan

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
+Image = NDArray[np.uint8]  # a picture (h, w, 3), BGR
 
 
 def readonly(

@@ -7,8 +7,8 @@ from shared import shared
 
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
-from sim.dataset.layout import LABELS, sequence_name
-from sim.dataset.manifest import Entry, manifest_record, write_manifest
+from sim.dataset.files.layout import LABELS, sequence_name
+from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
 from sim.dataset.writer import write_sequence
 from sim.sequence import Simulation
 
@@ -42,7 +42,7 @@ def make(root):
         with Simulation(perform(scenario, seed, overrides)) as simulation:
             write_sequence(simulation, target, tuple(LABELS), {"test": name})
         entries.append(
-            Entry(
+            SequenceEntry(
                 target.name, name, name, scenario.group, seed, "", f"{seed}", overrides["frames"], 3
             )
         )

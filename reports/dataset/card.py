@@ -17,7 +17,7 @@ from pjpdaf.targets import TARGETS
 from reports.dataset import colours as look
 from reports.dataset.svg_bars import histogram_svg, words_of
 from sim.dataset.croissant import CITATION, NAME, versions_of
-from sim.dataset.layout import (
+from sim.dataset.files.layout import (
     CALIBRATION,
     CARD,
     EVENTS,
@@ -30,8 +30,8 @@ from sim.dataset.layout import (
 )
 from sim.dataset.raytruth import RayFigures, lines_of
 from sim.dataset.reader import Dataset
-from sim.dataset.reader import Sequence as Recorded
 from sim.dataset.statistics import Statistics
+from sim.dataset.stored_sequence import StoredSequence
 from sim.files import disk_faults, written_whole_file
 from sim.scene.world import CAMERAS
 
@@ -153,7 +153,7 @@ def sample_jpeg(dataset: Dataset) -> bytes:
     return bytes(jpeg)
 
 
-def _sample_row(sequence: Recorded) -> dict[str, look.Image]:
+def _sample_row(sequence: StoredSequence) -> dict[str, look.Image]:
     index = _telling_frame(sequence)
     frame = sequence.frame(index)
     camera = sequence.rig.left
@@ -171,7 +171,7 @@ def _sample_row(sequence: Recorded) -> dict[str, look.Image]:
     return tiles
 
 
-def _telling_frame(sequence: Recorded) -> int:
+def _telling_frame(sequence: StoredSequence) -> int:
     """Where most of the targets in the picture is hidden, of frames with both pictures."""
     rows, T = sequence.truth, len(TARGETS)
     shown = [rows[f"visible_fraction_{view}"].to_numpy(np.float64) for view in CAMERAS]

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from pjpdaf.camera import StereoRig
 from pjpdaf.targets import TARGETS
-from sim.dataset.instances import FIRST_OBJECT, NOTHING, PERSON, ROOM, TABLE
-from sim.dataset.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN
+from sim.dataset.labels.instances import FIRST_OBJECT, NOTHING, PERSON, ROOM, TABLE
+from sim.dataset.labels.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN
 
 Image = NDArray[np.uint8]
 Colour = tuple[int, int, int]

@@ -22,11 +22,12 @@ from reports.dataset import colours as look
 from reports.dataset.svg_bars import histogram_svg, words_of
 from reports.pictures.overlay import Image, canvas_of
 from reports.summary.tables import LABELS as WORDS
-from sim.dataset.layout import EVENTS
-from sim.dataset.reader import Dataset, read_json
-from sim.dataset.reader import Sequence as Recorded
-from sim.dataset.records import KEYPOINTS
+from sim.dataset.files.layout import EVENTS
+from sim.dataset.files.reading import read_json
+from sim.dataset.labels.records import KEYPOINTS
+from sim.dataset.reader import Dataset
 from sim.dataset.statistics import Statistics
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
 MARK = "pjpdaf-bench dataset show"
@@ -53,7 +54,7 @@ class Clip:
     how many of the sequence's there are.
     """
 
-    sequence: Recorded
+    sequence: StoredSequence
     layers: Mapping[str, tuple[bytes, ...]]
     frames: int
 
@@ -80,7 +81,7 @@ class Clip:
 
 
 def clips(
-    sequences: Sequence[Recorded],
+    sequences: Sequence[StoredSequence],
     most_bytes: int = MOST_BYTES,
     on_frame: Callable[[], None] = lambda: None,
 ) -> list[Clip]:
@@ -102,7 +103,10 @@ def clips(
 
 
 def _clip(
-    sequence: Recorded, most_bytes: int, pool: ThreadPoolExecutor, on_frame: Callable[[], None]
+    sequence: StoredSequence,
+    most_bytes: int,
+    pool: ThreadPoolExecutor,
+    on_frame: Callable[[], None],
 ) -> tuple[Clip, int]:
     """A sequence's frames as far as they fit, the first one in any case, and their size."""
     layers = [name for name, (folder, *_) in LAYERS.items() if sequence.has(folder)]
@@ -120,7 +124,7 @@ def _clip(
     return Clip(sequence, dict(zip(layers, columns, strict=True)), len(frames)), used
 
 
-def _pictures(sequence: Recorded, index: int, layers: Sequence[str]) -> Iterator[Image]:
+def _pictures(sequence: StoredSequence, index: int, layers: Sequence[str]) -> Iterator[Image]:
     """Both views of a frame side by side, each VIEW_PX wide, layer by layer."""
     frame = sequence.frame(index)
     for name in layers:
@@ -133,7 +137,9 @@ def _pictures(sequence: Recorded, index: int, layers: Sequence[str]) -> Iterator
         yield np.hstack([np.pad(v, ((0, height - len(v)), (0, 0), (0, 0))) for v in views])
 
 
-def _view(sequence: Recorded, index: int, v: int, layer: str, picture: np.ndarray | None) -> Image:
+def _view(
+    sequence: StoredSequence, index: int, v: int, layer: str, picture: np.ndarray | None
+) -> Image:
     camera = sequence.rig.cameras[v]
     if layer == "colour":
         return canvas_of(picture, camera)

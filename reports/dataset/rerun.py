@@ -19,17 +19,17 @@ from reports.dataset.page import event_rows
 from reports.page.rerun import APPLICATION, CORNER_PX, ESTIMATE_RGB, QUALITY, SUFFIX
 from reports.pictures.contact_sheet import jpeg_of
 from reports.summary.tables import LABELS as WORDS
-from sim.dataset.layout import DEPTH_UNIT_M, picture_name
+from sim.dataset.files.layout import DEPTH_UNIT_M, picture_name
+from sim.dataset.labels.records import OCCLUDED, VISIBLE
 from sim.dataset.reader import Dataset
-from sim.dataset.reader import Sequence as Recorded
-from sim.dataset.records import OCCLUDED, VISIBLE
+from sim.dataset.stored_sequence import StoredSequence
 from sim.files import disk_faults, written_whole_file
 from sim.scene.world import CAMERAS
 
 OCCLUDED_RGB = (150, 150, 150)
 
 
-def write_dataset_rerun(dataset: Dataset, sequences: Sequence[Recorded], file: Path) -> Path:
+def write_dataset_rerun(dataset: Dataset, sequences: Sequence[StoredSequence], file: Path) -> Path:
     """Write these sequences into one new `file` (.rrd) and return it.
 
     Entities are seq_NNNNNN/..., on the timelines `frame` and `time`; lengths in metres, the
@@ -59,7 +59,7 @@ def write_dataset_rerun(dataset: Dataset, sequences: Sequence[Recorded], file: P
     return file
 
 
-def _recording(rr: Any, dataset: Dataset, sequences: Sequence[Recorded]) -> bytes:
+def _recording(rr: Any, dataset: Dataset, sequences: Sequence[StoredSequence]) -> bytes:
     named = json.dumps([dict(one.entry) for one in sequences], sort_keys=True)
     identity = hashlib.sha256(named.encode()).hexdigest()[:32]
     # Its own properties are the wall-clock time and the program's name.
@@ -85,7 +85,7 @@ class _Log:
 
     rr: Any
     stream: Any
-    sequence: Recorded
+    sequence: StoredSequence
 
     def always(self, parts: Sequence[str], *what: Any) -> None:
         """Of no time."""
@@ -207,7 +207,7 @@ def _log_places(log: _Log, rows: Sequence[Any]) -> None:
             log.now(("visible_fraction", view, target), rr.Scalars(share))
 
 
-def _layout(blueprint: Any, sequence: Recorded) -> Any:
+def _layout(blueprint: Any, sequence: StoredSequence) -> Any:
     """Views of one sequence."""
     root = f"/{sequence.name}"
     pictures = [

@@ -12,7 +12,7 @@ from reports.dataset import colours as look
 from reports.pictures.contact_sheet import GAP_PX
 from reports.pictures.overlay import BLACK, STRIP, WHITE, Image, canvas_of, draw_text
 from reports.pictures.truth_overlay import draw_outlines
-from sim.dataset.reader import Sequence as Recorded
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
 TILE_PX, HEAD_PX, NAME_PX = 232, 26, 24
@@ -20,7 +20,7 @@ TEXT = 0.45
 LAYERS = ("depth", "seg", "disparity")  # beside the colour, where they were written
 
 
-def dataset_sheet(rows: Sequence[tuple[Recorded, Sequence[int]]]) -> Image:
+def dataset_sheet(rows: Sequence[tuple[StoredSequence, Sequence[int]]]) -> Image:
     """The sheet (h, w, 3) BGR of sequences and which of their frames are shown.
 
     A frame is the left view with the visible skin outlined, its depth (red near, blue far), ids and
@@ -41,7 +41,9 @@ def _words(columns: Sequence[str], width: int) -> Image:
     return strip
 
 
-def _row(sequence: Recorded, chosen: Sequence[int], layers: Sequence[str], width: int) -> Image:
+def _row(
+    sequence: StoredSequence, chosen: Sequence[int], layers: Sequence[str], width: int
+) -> Image:
     tiles = [tile for index in chosen for tile in _tiles(sequence, index, layers)]
     height = tiles[0].shape[0]
     row = np.full((NAME_PX + height + GAP_PX, width, 3), STRIP, np.uint8)
@@ -55,7 +57,7 @@ def _row(sequence: Recorded, chosen: Sequence[int], layers: Sequence[str], width
     return row
 
 
-def _tiles(sequence: Recorded, index: int, layers: Sequence[str]) -> list[Image]:
+def _tiles(sequence: StoredSequence, index: int, layers: Sequence[str]) -> list[Image]:
     picture = sequence.frame(index).pictures[0]
     canvas = look.small(canvas_of(picture, sequence.rig.left), TILE_PX)
     if picture is not None and sequence.has(f"seg_{CAMERAS[0]}"):
@@ -66,7 +68,7 @@ def _tiles(sequence: Recorded, index: int, layers: Sequence[str]) -> list[Image]
     return [canvas, *(_layer(sequence, index, name) for name in layers)]
 
 
-def _layer(sequence: Recorded, index: int, name: str) -> Image:
+def _layer(sequence: StoredSequence, index: int, name: str) -> Image:
     camera = sequence.rig.left
     if not sequence.has(f"{name}_left"):
         blank = np.full((camera.height_px, camera.width_px, 3), BLACK, np.uint8)

@@ -14,7 +14,7 @@ from pjpdaf.arrays import Floats
 from pjpdaf.errors import BenchError, InfrastructureError
 from reports.gate.pairing import check_comparable, episode_values, notes_of, same_results
 from reports.gate.statistics import Difference, clustered_bootstrap, holm, mcnemar, sign_flip
-from reports.run.results import SavedRun
+from reports.run.load import SavedRun
 from reports.score.gospa import CUT_OFF_M
 
 ALPHA = 0.05

@@ -11,13 +11,13 @@ import pandas as pd
 
 from pjpdaf.arrays import Floats
 from pjpdaf.errors import BenchError
-from reports.run.results import SavedRun
+from reports.run.load import SavedRun
+from reports.run.motion_mark import same_motion
 from reports.score.gospa import CUT_OFF_M
 
 # Farther off than this a target counts as lost; how much farther is luck, and would drown the rest.
 CAP_MM, CAP_PX = 1e3 * CUT_OFF_M, 60.0
 WORST_GOSPA_MM = 1e3 * CUT_OFF_M * float(np.sqrt(3.0))  # three missed, three false
-SAME_MOTION_UM = 2  # both marks are rounded, and processors differ in the last bits
 KEY = ["scenario", "seed"]
 
 Episode = tuple[str, int]
@@ -94,7 +94,7 @@ def check_comparable(base: SavedRun, new: SavedRun) -> None:
     ours, theirs = _per_episode(new, "truths"), _per_episode(base, "truths")
     # An episode without a result has no truth to be compared.
     moved = sorted(
-        k for k in ours if ours[k] and theirs.get(k) and not _same_motion(ours[k], theirs[k])
+        k for k in ours if ours[k] and theirs.get(k) and not same_motion(ours[k], theirs[k])
     )
     if moved:
         name, seed = moved[0]
@@ -102,15 +102,6 @@ def check_comparable(base: SavedRun, new: SavedRun) -> None:
             f"{len(moved)} of {len(here)} episodes moved differently, the first: {name} seed "
             f"{seed}; the simulator has changed since the base: play the base again with this one"
         )
-
-
-def _same_motion(one: str, other: str) -> bool:
-    """Whether two marks (`reports.run.rows.motion_mark`) are those of one motion."""
-    try:
-        a, b = ([int(word) for word in mark.split()] for mark in (one, other))
-    except ValueError:  # of an older version
-        return one == other
-    return len(a) == len(b) and all(abs(x - y) <= SAME_MOTION_UM for x, y in zip(a, b, strict=True))
 
 
 def _check_versions(base: SavedRun, new: SavedRun) -> None:

@@ -34,7 +34,7 @@ from reports.page.player import (
     worst_frame,
 )
 from reports.page.thesis_figures import ThesisFigure, thesis_figures
-from reports.run.results import SavedRun
+from reports.run.load import SavedRun
 from reports.score.ranking import MAX_WORST, badness, went_wrong, worst_first
 from reports.summary.budget import Budget, budget_of
 from reports.summary.groups import GroupRow, group_rows, scenario_rows, whole_row

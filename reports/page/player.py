@@ -19,7 +19,8 @@ import pandas as pd
 from pjpdaf.arrays import Floats
 from pjpdaf.interfaces import STATUSES
 from pjpdaf.targets import TARGETS
-from reports.run.results import SavedRun, read_film
+from reports.run.films import read_film
+from reports.run.load import SavedRun
 from reports.score.records import VIEWS
 from reports.summary.tables import LABELS
 

@@ -25,7 +25,8 @@ from pjpdaf.targets import TARGETS
 from reports.page.player import Take, event_words, takes
 from reports.pictures.overlay import LETTERS, ellipse_points
 from reports.pictures.stills import VIEW_WIDTH_PX
-from reports.run.results import SavedRun, read_film
+from reports.run.films import read_film
+from reports.run.load import SavedRun
 from reports.score.records import VIEWS
 from reports.summary.tables import LABELS
 from sim.files import disk_faults, written_whole_file

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from pjpdaf.targets import TARGETS
-from reports.run.results import SavedRun
+from reports.run.load import SavedRun
 from reports.score.records import BUDGET_LEVELS
 
 # What a level adds to the one before it.

@@ -11,8 +11,8 @@ import pandas as pd
 
 from pjpdaf.arrays import Floats
 from pjpdaf.targets import TARGETS
-from reports.run.results import SavedRun
-from reports.run.rows import CLEAR, HOTA, IDENTITY
+from reports.run.load import SavedRun
+from reports.run.schema import CLEAR, HOTA, IDENTITY
 from reports.score.mot import (
     ClearCounts,
     HotaCounts,

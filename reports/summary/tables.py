@@ -13,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from pjpdaf.targets import HEAD, TARGETS
-from reports.run.results import SavedRun
+from reports.run.load import SavedRun
 from reports.score.records import STAGES
 from reports.score.score import quantile
 

@@ -152,7 +152,7 @@ def formats_named(words: str | None, labels: Collection[str]) -> tuple[str, ...]
 
     Raises BenchError for an unknown one, or one that needs a label that is not there.
     """
-    from sim.dataset.layout import EXPORTS
+    from sim.dataset.files.layout import EXPORTS
 
     if words is None:
         return ("coco", "mot") if "seg" in labels else ("mot",)

@@ -60,6 +60,7 @@ def baseline(
     replace: Annotated[bool, typer.Option("--replace", help="A run may lie there.")] = False,
 ) -> None:
     """Keep of a saved run only what `compare` needs, small enough for git."""
-    from reports.run.results import load, save_slim
+    from reports.run.load import load
+    from reports.run.save import save_slim
 
     typer.echo(f"baseline: {save_slim(load(run_folder), out, force=replace)}")

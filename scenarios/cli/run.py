@@ -108,10 +108,10 @@ def report(
         if len(runs) != 1 or out is not None:
             raise BenchError("--rerun takes one run, and goes without --out.")
         from reports.page.rerun import write_rerun
-        from reports.run.results import load
-        from scenarios.catalogue.film import told_of_signals
+        from reports.run.load import load
+        from scenarios.console.interrupts import unwritten_if_interrupted
 
-        with told_of_signals(rerun):
+        with unwritten_if_interrupted(rerun):
             typer.echo(f"recording: {write_rerun(load(runs[0]), rerun)}")
         return
     from scenarios.run.run import remake_report

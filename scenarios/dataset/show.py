@@ -14,11 +14,12 @@ from reports.dataset.page import Clip, clips, dataset_page
 from reports.dataset.rerun import write_dataset_rerun
 from reports.dataset.sheet import dataset_sheet, sheet_png
 from reports.summary.tables import count
-from scenarios.catalogue.film import spread, told_of_signals
+from scenarios.catalogue.film import spread
+from scenarios.console.interrupts import unwritten_if_interrupted
 from scenarios.console.progress import progress_bar
 from sim.dataset.reader import Dataset, open_dataset
-from sim.dataset.reader import Sequence as Recorded
 from sim.dataset.statistics import statistics_of
+from sim.dataset.stored_sequence import StoredSequence
 from sim.files import disk_faults, written_whole_file
 
 SHEET, PAGE = "sheet.png", "page.html"
@@ -53,7 +54,7 @@ def show_dataset(request: ShowDatasetRequest) -> str:
         _check_place(path, dataset)
     first = next(path for path in (sheet, page, request.rerun) if path is not None)
     said = []
-    with told_of_signals(first):
+    with unwritten_if_interrupted(first):
         if request.rerun is not None:  # first: whether Rerun is there shows at once
             write_dataset_rerun(dataset, sequences, request.rerun)
             said.append(f"recording: {request.rerun} ({count(len(sequences), 'sequence')})")
@@ -67,7 +68,7 @@ def show_dataset(request: ShowDatasetRequest) -> str:
     return "\n".join(said)
 
 
-def _sequences(dataset: Dataset, number: int | None) -> tuple[Recorded, ...]:
+def _sequences(dataset: Dataset, number: int | None) -> tuple[StoredSequence, ...]:
     if not dataset.sequences:
         raise BenchError(f"{dataset.folder}: has no finished sequence; there is nothing to show.")
     if number is None:
@@ -106,8 +107,8 @@ def _check_place(path: Path | None, dataset: Dataset) -> None:
         raise BenchError(f"{path}: exists; give another name, or remove it first.")
 
 
-def _write_sheet(sequences: Sequence[Recorded], path: Path, alone: bool) -> str:
-    rows: list[tuple[Recorded, list[int]]]
+def _write_sheet(sequences: Sequence[StoredSequence], path: Path, alone: bool) -> str:
+    rows: list[tuple[StoredSequence, list[int]]]
     if alone:
         (one,) = sequences
         chosen = spread(one.truths, ROW_FRAMES * ALONE_ROWS)
@@ -123,7 +124,7 @@ def _write_sheet(sequences: Sequence[Recorded], path: Path, alone: bool) -> str:
     return f"sheet: {path} ({_share(shown, len(sequences))})"
 
 
-def _write_page(dataset: Dataset, sequences: Sequence[Recorded], path: Path) -> str:
+def _write_page(dataset: Dataset, sequences: Sequence[StoredSequence], path: Path) -> str:
     frames = sum(one.frame_count for one in sequences)
     with progress_bar(Console(stderr=True)) as progress:
         task = progress.add_task("page", total=frames)
@@ -139,7 +140,7 @@ def _write_page(dataset: Dataset, sequences: Sequence[Recorded], path: Path) -> 
     return f"page: {path} ({_shown_words(shown, sequences)}, {size:.1f} MB)"
 
 
-def _shown_words(shown: Sequence[Clip], sequences: Sequence[Recorded]) -> str:
+def _shown_words(shown: Sequence[Clip], sequences: Sequence[StoredSequence]) -> str:
     words = _share(len(shown), len(sequences))
     if shown[-1].frames < shown[-1].sequence.frame_count:
         words += f", {shown[-1].frames} of {shown[-1].sequence.frame_count} frames of it"

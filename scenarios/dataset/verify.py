@@ -11,11 +11,13 @@ from rich.console import Console
 
 from pjpdaf.errors import BenchError, InfrastructureError
 from reports.summary.tables import count
+from scenarios.console.interrupts import interrupts
 from scenarios.console.progress import progress_bar
 from scenarios.play.recipe import performance_of
 from sim.dataset.check.fault import Fault
 from sim.dataset.raytruth import RayFigures, lines_of, ray_check, together
-from sim.dataset.reader import Sequence, open_dataset
+from sim.dataset.reader import open_dataset
+from sim.dataset.stored_sequence import StoredSequence
 from sim.dataset.verify import verify
 from sim.sequence import Simulation
 
@@ -53,6 +55,11 @@ def verify_dataset(request: VerifyRequest) -> int:
     Raises BenchError where the folder is no data set, InfrastructureError where a scene cannot be
     rebuilt on this machine.
     """
+    with interrupts() as arrived, arrived.raising():
+        return _verify_and_print(request)
+
+
+def _verify_and_print(request: VerifyRequest) -> int:
     if request.rays < 0 or request.jobs < 1:
         raise BenchError("--rays must be 0 or more, --jobs 1 or more.")
     done: list[str] = []
@@ -117,7 +124,9 @@ def cast_rays(folder: Path, frames: int, faulty: Collection[str] = ()) -> Cast:
     return Cast(together(figures) if figures else None, tuple(faults), tuple(refused))
 
 
-def _spread(sequences: tuple[Sequence, ...], frames: int) -> Iterator[tuple[Sequence, list[int]]]:
+def _spread(
+    sequences: tuple[StoredSequence, ...], frames: int
+) -> Iterator[tuple[StoredSequence, list[int]]]:
     """Sequences with the frames of theirs that are looked at."""
     counts = []
     for sequence in sequences:

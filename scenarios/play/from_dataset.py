@@ -10,8 +10,9 @@ from pjpdaf.errors import BenchError
 from pjpdaf.plugins.registry import make_detector, make_tracker
 from scenarios.play.play import Job, System
 from scenarios.play.recipe import read_recipe
-from scenarios.spec.parameters import nearest
-from sim.dataset.reader import Dataset, Sequence, open_dataset
+from scenarios.spec.suggestion import did_you_mean
+from sim.dataset.reader import Dataset, open_dataset
+from sim.dataset.stored_sequence import StoredSequence
 
 
 def open_with_sequences(folder: Path) -> Dataset:
@@ -22,7 +23,7 @@ def open_with_sequences(folder: Path) -> Dataset:
     return dataset
 
 
-def job_of(sequence: Sequence) -> Job:
+def job_of(sequence: StoredSequence) -> Job:
     """The episode that a sequence is of, to be read instead of rendered.
 
     Raises BenchError where its recipe is of another version, or another than the manifest's.
@@ -52,7 +53,7 @@ def jobs_of(
     names = list(dict.fromkeys(job.name for job in jobs))
     for name in only:
         if name not in names:
-            hint = nearest(name, names) or ";"
+            hint = did_you_mean(name, names) or ";"
             raise BenchError(f"--only {name}: not in it{hint} there are: {', '.join(names)}")
     check_once(dataset, ((job.name, job.seed) for job in jobs))
     jobs = [job for job in jobs if job.name in only or not only]
@@ -60,7 +61,7 @@ def jobs_of(
     # A rig may be new to a detector or tracker: each name's first is tried.
     for job in {job.name: job for job in reversed(jobs)}.values():
         assert job.kept is not None
-        cameras = Sequence(job.kept, {}).calibration.cameras
+        cameras = StoredSequence(job.kept, {}).calibration.cameras
         make_detector(system.detector, cameras, system.detector_settings)
         make_tracker(system.tracker, cameras, system.tracker_settings)
     return [replace(j, keep_pictures=pictures and j.seed == first[j.name]) for j in jobs]

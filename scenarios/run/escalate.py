@@ -14,8 +14,9 @@ from typing import Any
 from pjpdaf.errors import BenchError
 from reports.gate.gate import Verdict, compare, words_of_system
 from reports.gate.pairing import joined, measured
-from reports.run.results import SavedRun, tables_of
+from reports.run.load import SavedRun
 from reports.run.rows import EpisodeRows
+from reports.run.tables import tables_of
 from scenarios.execute.episodes import Played, play_all
 from scenarios.play.play import Job, digest_of
 from scenarios.run.run import RunRequest, find_plug_ins_here, plan, record

@@ -16,7 +16,7 @@ import pytest
 
 if TYPE_CHECKING:
     from reports.gate.gate import Verdict
-    from reports.run.results import SavedRun
+    from reports.run.load import SavedRun
     from reports.summary.tables import Summary, SummaryRow
 
 
@@ -177,7 +177,8 @@ def assert_no_regression(request: pytest.FixtureRequest) -> Check:
         from pjpdaf.errors import BenchError
         from reports.gate.formats import markdown
         from reports.gate.gate import compare
-        from reports.run.results import load, save_slim
+        from reports.run.load import load
+        from reports.run.save import save_slim
 
         if folder is None:
             pytest.fail("assert_no_regression needs --pjpdaf-baseline DIR", pytrace=False)

@@ -17,8 +17,9 @@ from pjpdaf.interfaces import Detections, Estimates
 from pjpdaf.targets import TARGETS
 from reports.page.page import write_page
 from reports.pictures.overlay import overlay_jpeg
-from reports.run.results import RunInfo, check_free, load, save
+from reports.run.load import load
 from reports.run.rows import EpisodeRows, rows_of
+from reports.run.save import RunInfo, check_free, save
 from reports.score.records import Episode, FrameOutcome, Picture
 from reports.summary.tables import count, rich_table, summarise
 from scenarios.console.progress import progress_bar
@@ -27,7 +28,8 @@ from scenarios.play.play import Gallery, digest_of
 from scenarios.run.run import default_folder, entry_of
 from scenarios.spec.draw import concrete
 from scenarios.tracks.files import LOST, Tracks, read_tracks
-from sim.dataset.reader import Dataset, Sequence
+from sim.dataset.reader import Dataset
+from sim.dataset.stored_sequence import StoredSequence
 
 FRAMES = ("world", "left")
 FAR_M = 50.0  # a median distance from the cameras that is no metres
@@ -97,7 +99,7 @@ def score_tracks(request: ScoreRequest) -> None:
         out.print(line, highlight=False, markup=False, soft_wrap=True)
 
 
-def facts_of(sequence: Sequence) -> Facts:
+def facts_of(sequence: StoredSequence) -> Facts:
     """Of its recipe, as in a run; of the manifest alone where this version cannot resolve it.
 
     Raises BenchError where the manifest's entry is incomplete.
@@ -115,7 +117,7 @@ def facts_of(sequence: Sequence) -> Facts:
     return Facts(job.name, group, job.seed, digest_of(job), values, entry_of(job))
 
 
-def _of_manifest(sequence: Sequence) -> Facts:
+def _of_manifest(sequence: StoredSequence) -> Facts:
     entry = sequence.entry
     texts = {name: entry.get(name) for name in ("label", "group", "digest", "scenario")}
     wrong = [name for name, text in texts.items() if not isinstance(text, str) or len(text) > 200]
@@ -135,7 +137,7 @@ def _of_manifest(sequence: Sequence) -> Facts:
 
 
 def _scored(
-    sequence: Sequence,
+    sequence: StoredSequence,
     facts: Facts,
     tracks: Tracks | None,
     frame: str,
@@ -179,7 +181,7 @@ def estimates_of(tracks: Tracks, camera: Camera, frame: str) -> list[Estimates]:
 
 
 def episode_of(
-    sequence: Sequence, facts: Facts, estimates: list[Estimates], *, pictures: bool
+    sequence: StoredSequence, facts: Facts, estimates: list[Estimates], *, pictures: bool
 ) -> Episode:
     """What is scored: the data set's truth with these estimates, one a frame.
 
@@ -220,7 +222,7 @@ def _check_metres(tracks: Tracks, estimates: list[Estimates], camera: Camera) ->
         )
 
 
-def _much_nearer(sequence: Sequence, one: list[Estimates], other: list[Estimates]) -> bool:
+def _much_nearer(sequence: StoredSequence, one: list[Estimates], other: list[Estimates]) -> bool:
     """Whether the other estimates are so much nearer that they are probably what is meant."""
     centres = np.stack([truth.centres_m for truth in sequence.truths])
     errors = [np.linalg.norm(_positions(said) - centres, axis=-1) for said in (one, other)]

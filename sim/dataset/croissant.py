@@ -8,10 +8,10 @@ from typing import Any
 
 import pyarrow as pa
 
-from sim.dataset.checksums import sha256_of
-from sim.dataset.layout import CONVENTIONS, LABELS, OBJECTS, TRUTH
+from sim.dataset.files.checksums import sha256_of
+from sim.dataset.files.layout import CONVENTIONS, LABELS, OBJECTS, TRUTH
+from sim.dataset.files.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA
 from sim.dataset.reader import Dataset
-from sim.dataset.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA
 from sim.scene.world import CAMERAS
 
 CROISSANT = "croissant.json"

@@ -19,9 +19,9 @@ from pjpdaf.arrays import Floats
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from sim.camera.rays import cast
-from sim.dataset.instances import Instances, instances_of
-from sim.dataset.layout import DEPTH_UNIT_M
-from sim.dataset.reader import Sequence
+from sim.dataset.files.layout import DEPTH_UNIT_M
+from sim.dataset.labels.instances import Instances, instances_of
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 from sim.sequence import Simulation
 
@@ -92,7 +92,7 @@ def together(all_figures: Iterable[RayFigures]) -> RayFigures:
 
 
 def ray_check(
-    simulation: Simulation, sequence: Sequence, frames: Iterable[int], step: int = STEP_PX
+    simulation: Simulation, sequence: StoredSequence, frames: Iterable[int], step: int = STEP_PX
 ) -> RayFigures:
     """Compare these frames of a sequence with rays into the scene that it was made from.
 
@@ -125,7 +125,7 @@ def ray_check(
 
 def _of_view(
     simulation: Simulation,
-    sequence: Sequence,
+    sequence: StoredSequence,
     instances: Instances,
     index: int,
     view: int,

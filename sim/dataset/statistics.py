@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from pjpdaf.arrays import Floats
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import LEFT_HAND, RIGHT_HAND, TARGETS
-from sim.dataset.layout import TRUTH
-from sim.dataset.reader import Dataset, Sequence
-from sim.dataset.records import KEYPOINTS, NOT_LABELLED, VISIBLE
+from sim.dataset.files.layout import TRUTH
+from sim.dataset.labels.records import KEYPOINTS, NOT_LABELLED, VISIBLE
+from sim.dataset.reader import Dataset
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
 HANDS = (RIGHT_HAND, LEFT_HAND)
@@ -158,7 +159,7 @@ class _Parts:
         self._merged_frames = self._ambiguous = self._objects = 0
         self._keypoints = {name: np.zeros(_STATUSES, np.int64) for name in _POINTS}
 
-    def add(self, sequence: Sequence) -> None:
+    def add(self, sequence: StoredSequence) -> None:
         """Count one sequence."""
         frames, rows = sequence.frame_count, sequence.truth
         # As a stranger's table says it, not as the manifest does.
@@ -221,7 +222,7 @@ class _Parts:
                 self._count("visible_fraction", f"{target}, {view}", inside)
                 self._count("truncation", f"{target}, {view}", cut[t])
 
-    def _add_places(self, sequence: Sequence, rows: pd.DataFrame) -> None:
+    def _add_places(self, sequence: StoredSequence, rows: pd.DataFrame) -> None:
         eye = sequence.rig.left.centre_w
         axes = [_by_target(rows, f"{a}_m", np.float64) for a in "xyz"]
         speeds = [_by_target(rows, f"v{a}_mps", np.float64) for a in "xyz"]
@@ -250,7 +251,7 @@ class _Parts:
         self._merged_frames += int(anywhere.sum())
         self._ambiguous += int(np.logical_and.reduce(both).sum())
 
-    def _add_keypoints(self, sequence: Sequence, rows: pd.DataFrame) -> None:
+    def _add_keypoints(self, sequence: StoredSequence, rows: pd.DataFrame) -> None:
         T = len(TARGETS)
         for view in CAMERAS:
             column = f"keypoint_status_{view}"

@@ -21,7 +21,7 @@ from sim.dataset.check.exports import export_faults
 from sim.dataset.check.fault import MISSING, Fault, fault_of
 from sim.dataset.check.files import Sums, Tree, damaged, listing_faults, sums_of, tree_of
 from sim.dataset.check.sequence import Checked, check_sequence
-from sim.dataset.layout import (
+from sim.dataset.files.layout import (
     CONVENTIONS,
     KIND,
     LABELS,
@@ -30,7 +30,8 @@ from sim.dataset.layout import (
     conventions,
     is_sequence_name,
 )
-from sim.dataset.reader import Sequence, read_json
+from sim.dataset.files.reading import read_json
+from sim.dataset.stored_sequence import StoredSequence
 
 # Numbers of conventions.json without which a label cannot be read.
 _SCALES = (("depth", "unit_m"), ("disparity", "scale"), ("correspondence", "scale"))
@@ -91,7 +92,7 @@ def _checked(plan: _Plan, sums: Sums, hash_files: bool, jobs: int) -> Iterator[t
         digests = {path: sums.digests[path] for path in plain[name] & set(sums.digests)}
         work.append(
             (
-                Sequence(plan.tree.root / name, plan.entries[name]),
+                StoredSequence(plan.tree.root / name, plan.entries[name]),
                 Tree(plan.tree.root, frozenset(plain[name]), frozenset()),
                 Sums(digests, ()),
                 plan.labels[name],

@@ -17,15 +17,13 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from pjpdaf.calibration import write_rig
-from pjpdaf.camera import Camera, StereoRig
+from pjpdaf.camera import StereoRig
 from pjpdaf.frames import StereoFrame
 from pjpdaf.targets import TARGETS
-from sim.dataset import encode
-from sim.dataset.checksums import sha256_of, text_of
-from sim.dataset.events import events_of
-from sim.dataset.instances import Instances
-from sim.dataset.labeller import Labeller
-from sim.dataset.layout import (
+from sim.dataset.files import encode
+from sim.dataset.files.cameras import camera_record
+from sim.dataset.files.checksums import sha256_of, text_of
+from sim.dataset.files.layout import (
     CALIBRATION,
     CHECKSUMS,
     ERROR_FREE,
@@ -36,10 +34,13 @@ from sim.dataset.layout import (
     TRUTH,
     picture_name,
 )
-from sim.dataset.records import KEYPOINTS, FrameLabels, Matches, ViewLabels
-from sim.dataset.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA, object_rows, truth_rows
+from sim.dataset.files.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA, object_rows, truth_rows
+from sim.dataset.labels.events import events_of
+from sim.dataset.labels.instances import Instances
+from sim.dataset.labels.labeller import Labeller
+from sim.dataset.labels.records import KEYPOINTS, FrameLabels, Matches, ViewLabels
 from sim.scene.world import CAMERAS
-from sim.sequence import Shot, Simulation
+from sim.sequence import RenderedFrame, Simulation
 from sim.truth import Truth
 
 THREADS = 2  # encode beside the renderer
@@ -76,12 +77,12 @@ def write_sequence(
         truths: list[Truth] = []
         hidden: list[list[NDArray[np.int64]]] = []
         for index in range(simulation.performance.frames):
-            shot, said = labeller.labelled(index)
-            _add_pictures(files, "", shot.frame)
+            rendered, said = labeller.labelled(index)
+            _add_pictures(files, "", rendered.frame)
             for view, camera in enumerate(CAMERAS):
-                _add_labels(files, labels, camera, index, shot, said.views[view])
-            tables.add(shot, said, labeller.instances)
-            truths.append(shot.truth)
+                _add_labels(files, labels, camera, index, rendered, said.views[view])
+            tables.add(rendered, said, labeller.instances)
+            truths.append(rendered.truth)
             hidden.append([one.hidden_px for one in said.views])
             on_frame(index)
         files.add(EVENTS, _json(events_of(truths, hidden, labeller.instances)))
@@ -102,11 +103,11 @@ def write_frame(simulation: Simulation, folder: Path, labels: Collection[str], i
     """
     labeller = Labeller(simulation, [name for name in labels if name in Labeller.WANTED])
     with _Files(folder) as files, _Tables(folder) as tables:
-        shot, said = labeller.labelled(index)
-        _add_pictures(files, "", shot.frame)
+        rendered, said = labeller.labelled(index)
+        _add_pictures(files, "", rendered.frame)
         for view, camera in enumerate(CAMERAS):
-            _add_labels(files, labels, camera, index, shot, said.views[view])
-        tables.add(shot, said, labeller.instances)
+            _add_labels(files, labels, camera, index, rendered, said.views[view])
+        tables.add(rendered, said, labeller.instances)
 
 
 def _add_pictures(files: _Files, prefix: str, frame: StereoFrame) -> None:
@@ -120,7 +121,7 @@ def _add_labels(
     labels: Collection[str],
     camera: str,
     index: int,
-    shot: Shot,
+    rendered: RenderedFrame,
     said: ViewLabels,
 ) -> None:
     name = picture_name(index)
@@ -129,7 +130,7 @@ def _add_labels(
         if label in labels:
             files.encode(f"{folder}_{camera}/{name}", lambda _: encode.png(make()), None)
 
-    clean = shot.views[CAMERAS.index(camera)].colour
+    clean = rendered.views[CAMERAS.index(camera)].colour
     assert clean is not None
     add("clean", "clean", lambda: clean)
     add("depth", "depth", lambda: encode.depth_to_png(said.depth_m))
@@ -179,18 +180,6 @@ def rig_record(simulation: Simulation, instances: Instances) -> dict[str, Any]:
 
 def _cameras(rig: StereoRig) -> dict[str, Any]:
     return {name: camera_record(c) for name, c in zip(CAMERAS, rig.cameras, strict=True)}
-
-
-def camera_record(camera: Camera) -> dict[str, Any]:
-    """A camera as plain numbers."""
-    return {
-        "K": camera.K.tolist(),
-        "R_cw": camera.R_cw.tolist(),
-        "t_cw": camera.t_cw.tolist(),
-        "distortion": camera.distortion.tolist(),
-        "width_px": camera.width_px,
-        "height_px": camera.height_px,
-    }
 
 
 def _write_calibration(folder: Path, given: StereoRig, rig: StereoRig) -> None:
@@ -258,12 +247,12 @@ class _Tables:
         }
         self._held: dict[str, list[dict[str, Any]]] = {name: [] for name in self._paths}
 
-    def add(self, shot: Shot, labels: FrameLabels, instances: Instances) -> None:
-        arrived = [picture is not None for picture in shot.frame.pictures]
+    def add(self, rendered: RenderedFrame, labels: FrameLabels, instances: Instances) -> None:
+        arrived = [picture is not None for picture in rendered.frame.pictures]
         self._held[TRUTH] += truth_rows(
-            shot.frame.time_s, arrived, shot.truth, labels, instances, _MINE
+            rendered.frame.time_s, arrived, rendered.truth, labels, instances, _MINE
         )
-        self._held[OBJECTS] += object_rows(shot.truth, labels)
+        self._held[OBJECTS] += object_rows(rendered.truth, labels)
         for name, rows in self._held.items():
             if len(rows) >= ROW_GROUP:
                 self._hand_over(name)

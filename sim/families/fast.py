@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from pjpdaf.arrays import Floats
+from sim.event_names import speed_name
 from sim.motion.motion import Cue, MotionPlan
 from sim.motion.planner import RISING_M, HandPlanner, meet, raised
 from sim.motion.stage import STILL_S, Family, Stage
@@ -54,7 +55,7 @@ def _speed_ladder(stage: Stage) -> MotionPlan:
                 hand.move(end, speed, least_s=0.01)
                 # An uneven turn keeps fast rungs from falling in step with the frames.
                 hand.wait(float(rng.uniform(0.0, 0.08)))
-        cues.append(Cue(f"speed:{speed:g}", begun, hand.clock_s))
+        cues.append(Cue(speed_name(speed), begun, hand.clock_s))
     hand.wait(stage.number("pause"))
     hand.move(stage.rest(side), 0.3, RISING_M)
     return stage.plan(hands, cues=tuple(cues))

@@ -12,7 +12,7 @@ from sim.camera.colour import GAMMA, balance_rgb, light_rgb
 from sim.camera.exposure import MOST_SUBFRAMES, SUBFRAME_PX, subframes
 from sim.person.rest import rest_pose
 from sim.script import Performance
-from sim.sequence import Simulation, background, rig_of, simulate
+from sim.sequence import Simulation, rig_of
 from sim.specs import (
     CalibrationError,
     ClockSpec,
@@ -85,7 +85,7 @@ def test_the_truth_moves_with_the_picture(simulation, played):
 
 
 def test_any_order_gives_the_same_frames(simulation, played):
-    again = simulation.shot(2)
+    again = simulation.render(2)
     for before, after in zip(played[2][0].pictures, again.frame.pictures, strict=True):
         np.testing.assert_array_equal(before, after)
     np.testing.assert_array_equal(played[2][1].surfaces_m, again.truth.surfaces_m)
@@ -119,11 +119,12 @@ def test_the_same_bytes_in_another_process():
     assert done.stdout.strip() == digest_of_all(), done.stderr
 
 
-def test_one_shot_functions_play_and_close():
+def test_a_performance_of_one_frame_plays_and_closes():
     quick = performance(frames=1, background_frames=1)
-    ((frame, truth),) = simulate(quick)
-    assert frame.index == truth.index == 0
-    assert len(background(quick)) == 1
+    with Simulation(quick) as simulation:
+        ((frame, truth),) = simulation.frames()
+        assert frame.index == truth.index == 0
+        assert len(simulation.background()) == 1
     np.testing.assert_allclose(rig_of(quick).T, [-0.09, 0, 0], atol=1e-12)
 
 
@@ -178,8 +179,8 @@ def test_a_moving_hand_is_blurred_over_its_path(quiet, exposure_s):
     """A path of L = v e f / Z adds L^2 / 12 to the variance of the hand's light along it."""
     index = 3
     with Simulation(filmed(sensor=SensorSpec(exposure_s, noise_sd=0.0))) as simulation:
-        blurred = simulation.shot(index)
-    sharp = quiet.shot(index)
+        blurred = simulation.render(index)
+    sharp = quiet.render(index)
     x, y, w, h = sharp.truth.views[0].boxes_px[1].astype(int)
     fingers = (x - 25, y + h // 2, w + 50, h // 2)  # without the blue sleeve
     skin = np.s_[y + h // 2 : y + h, x : x + w]
@@ -230,11 +231,11 @@ class Still:
 def test_a_camera_balanced_for_the_lamp_shows_the_room_as_by_daylight(quiet):
     lamp = replace(SCENE.room, light_rgb=light_rgb(4500.0))
     sensor = SensorSpec(noise_sd=0.0, white_balance_rgb=balance_rgb(4500.0))
-    plain = quiet.shot(0).frame.pictures[0].astype(int)
+    plain = quiet.render(0).frame.pictures[0].astype(int)
     pictures = []
     for camera in (SensorSpec(noise_sd=0.0), sensor):
         with Simulation(filmed(sensor=camera, room=lamp)) as simulation:
-            pictures.append(simulation.shot(0).frame.pictures[0].astype(int))
+            pictures.append(simulation.render(0).frame.pictures[0].astype(int))
     warm, balanced = pictures
     assert np.abs(warm - plain).mean() > 5
     assert np.abs(balanced - plain).mean() < 1.0
@@ -243,8 +244,8 @@ def test_a_camera_balanced_for_the_lamp_shows_the_room_as_by_daylight(quiet):
 @pytest.mark.parametrize("skew_s", [0.02, 0.05])
 def test_shutter_skew_moves_the_right_view_by_speed_times_delay(quiet, skew_s):
     with Simulation(filmed(sensor=SensorSpec(skew_s=skew_s, noise_sd=0.0))) as simulation:
-        late = simulation.shot(2)
-    sharp = quiet.shot(2)
+        late = simulation.render(2)
+    sharp = quiet.render(2)
     np.testing.assert_array_equal(late.frame.pictures[0], sharp.frame.pictures[0])
     assert (late.frame.pictures[1] != sharp.frame.pictures[1]).mean() > 0.005
     for view, expected in ((0, 0.0), (1, 540 * skew_s / depth_of_right_hand(quiet, sharp.truth))):
@@ -263,12 +264,12 @@ def test_jitter_moves_picture_and_truth_and_the_stamp_as_asked(quiet):
         clock = ClockSpec(jitter_s=0.02, stamps=stamps)
         with Simulation(filmed(clock=clock)) as simulation:
             for index in (1, 4):
-                shot = simulation.shot(index)
+                shot = simulation.render(index)
                 late_s = shot.truth.time_s - index / 15.0
                 assert 1e-4 < abs(late_s) <= 0.02
                 carried = index / 15.0 if stamps == "nominal" else shot.truth.time_s
                 assert shot.frame.time_s == carried
-                on_time = quiet.shot(index).truth
+                on_time = quiet.render(index).truth
                 moved = shot.truth.centres_m - on_time.centres_m
                 np.testing.assert_allclose(moved[1], [0, late_s, 0], atol=1e-9)
                 at = shot.truth.views[0].centroids_px - on_time.views[0].centroids_px
@@ -278,14 +279,14 @@ def test_jitter_moves_picture_and_truth_and_the_stamp_as_asked(quiet):
 
 def test_lost_pictures_are_none_and_the_truth_stays():
     with Simulation(filmed(clock=ClockSpec(dropped=0.5), rig=SMALL)) as simulation:
-        played = [simulation.shot(index) for index in range(4)]
+        played = [simulation.render(index) for index in range(4)]
         background = simulation.background()
     lost = np.array([[p is None for p in shot.frame.pictures] for shot in played])
     assert lost.any()
     assert not lost.all()
     with Simulation(filmed(rig=SMALL)) as simulation:
         for index in np.flatnonzero(lost.any(axis=1)):
-            whole = simulation.shot(int(index))
+            whole = simulation.render(int(index))
             np.testing.assert_array_equal(whole.truth.surfaces_m, played[index].truth.surfaces_m)
             for mine, its in zip(played[index].frame.pictures, whole.frame.pictures, strict=True):
                 assert mine is None or (mine == its).all()
@@ -307,9 +308,9 @@ def test_all_effects_together_give_the_same_frames_in_any_order():
     clock = ClockSpec(jitter_s=0.02, dropped=0.1)
     playing = replace(filmed(sensor=everything, clock=clock, rig=rig), frames=2)
     with Simulation(playing) as simulation:
-        straight = list(simulation.shots())
+        straight = [simulation.render(index) for index in range(2)]
     with Simulation(playing) as simulation:
-        back = [simulation.shot(index) for index in (1, 0)][::-1]
+        back = [simulation.render(index) for index in (1, 0)][::-1]
     for one, other in zip(straight, back, strict=True):
         assert one.frame.time_s == other.frame.time_s
         np.testing.assert_array_equal(one.truth.surfaces_m, other.truth.surfaces_m)
@@ -324,7 +325,7 @@ def test_the_tracker_is_told_the_faulty_calibration_and_the_truth_uses_the_rig()
     with Simulation(filmed(calibration_error=error, rig=SMALL)) as simulation:
         assert np.linalg.norm(simulation.rig.T) == pytest.approx(0.09)
         assert np.linalg.norm(simulation.calibration.T) == pytest.approx(0.09 * 1.05)
-        truth = simulation.shot(0).truth
+        truth = simulation.render(0).truth
         pixels = np.array([view.centroids_px for view in truth.views])
         for target in range(3):
             seen = pixels[:, target]

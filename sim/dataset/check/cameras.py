@@ -13,8 +13,8 @@ from pjpdaf.calibration import EXTRINSICS, INTRINSICS, read_rig, rectify
 from pjpdaf.camera import DISTORTION_LENGTHS, Camera, StereoRig
 from pjpdaf.errors import BenchError
 from sim.dataset.check.fault import Fault, fault_of
-from sim.dataset.layout import CALIBRATION, ERROR_FREE, RIG
-from sim.dataset.reader import Sequence
+from sim.dataset.files.layout import CALIBRATION, ERROR_FREE, RIG
+from sim.dataset.stored_sequence import StoredSequence
 from sim.lens import check
 
 _LENS = max(DISTORTION_LENGTHS)
@@ -31,7 +31,7 @@ def usable(rig: StereoRig) -> bool:
     )
 
 
-def camera_faults(root: Path, sequence: Sequence) -> Iterator[Fault]:
+def camera_faults(root: Path, sequence: StoredSequence) -> Iterator[Fault]:
     """Of rig.json, and of calib/ of the sequence and of the data set."""
     path = f"{sequence.name}/{RIG}"
     try:

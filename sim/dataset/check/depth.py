@@ -17,10 +17,10 @@ from pjpdaf.camera import to_camera
 from pjpdaf.targets import TARGETS
 from sim.dataset.check.fault import Fault
 from sim.dataset.check.frame import Frame
-from sim.dataset.check.sight import Places, Sight, corners, inside, mixed
-from sim.dataset.check.told import Told
-from sim.dataset.instances import NOTHING, PERSON, ROOM, TABLE
-from sim.dataset.layout import DEPTH_UNIT_M, TRUTH
+from sim.dataset.check.frame_tables import FrameTables
+from sim.dataset.check.pixel_rays import PixelRays, Places, corners, inside, mixed
+from sim.dataset.files.layout import DEPTH_UNIT_M, TRUTH
+from sim.dataset.labels.instances import NOTHING, PERSON, ROOM, TABLE
 from sim.scene.world import CAMERAS
 
 STILL = (TABLE, ROOM)  # of the same place at both moments of a rig with shutter skew
@@ -101,7 +101,9 @@ def twin_faults(frame: Frame, view: int) -> list[Fault]:
     return []
 
 
-def misplaced(frame: Frame, told: Told, sights: tuple[Sight, Sight]) -> dict[int, str]:
+def misplaced(
+    frame: Frame, told: FrameTables, sights: tuple[PixelRays, PixelRays]
+) -> dict[int, str]:
     """Views whose depth of a target is not around its centre at all, and what is wrong."""
     found = {}
     for view, (eye, sight) in enumerate(zip(frame.eyes, sights, strict=True)):
@@ -120,7 +122,7 @@ def misplaced(frame: Frame, told: Told, sights: tuple[Sight, Sight]) -> dict[int
 
 
 def surface_offset(
-    frame: Frame, told: Told, sights: tuple[Sight, Sight], skew_s: float
+    frame: Frame, told: FrameTables, sights: tuple[PixelRays, PixelRays], skew_s: float
 ) -> tuple[str, float] | None:
     """The target whose visible surface is not where the truth says, and by how far [m].
 
@@ -167,7 +169,7 @@ def changed(frame: Frame, other: Frame) -> list[int]:
 
 
 def closing(
-    frame: Frame, view: int, sights: tuple[Sight, Sight], still: bool, step: int = STEP
+    frame: Frame, view: int, sights: tuple[PixelRays, PixelRays], still: bool, step: int = STEP
 ) -> Closing:
     """From a view's depth to the other view, there by its depth to a point, and back.
 
@@ -207,7 +209,7 @@ def closing(
     )
 
 
-def tolerance_px(sights: tuple[Sight, Sight], depth_m: Floats) -> Floats:
+def tolerance_px(sights: tuple[PixelRays, PixelRays], depth_m: Floats) -> Floats:
     """CLOSES_PX, and what whole depth units add at these depths."""
     left, right = (sight.camera for sight in sights)
     baseline_m = float(np.linalg.norm(left.centre_w - right.centre_w))

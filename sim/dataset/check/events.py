@@ -8,15 +8,17 @@ from typing import Any
 
 from pjpdaf.targets import LEFT_HAND, RIGHT_HAND, TARGETS
 from sim.dataset.check.fault import Claim, Fault
-from sim.dataset.check.told import Told
-from sim.dataset.events import LEAST_HIDDEN
-from sim.dataset.layout import EVENTS
+from sim.dataset.check.frame_tables import FrameTables
+from sim.dataset.files.layout import EVENTS
+from sim.dataset.labels.events import LEAST_HIDDEN
 from sim.scene.world import CAMERAS
 
 Facts = set[tuple[int, str]]  # frame, what happens in it
 
 
-def event_faults(name: str, told: list[Told], events: Mapping[str, Any]) -> Iterator[Claim | Fault]:
+def event_faults(
+    name: str, told: list[FrameTables], events: Mapping[str, Any]
+) -> Iterator[Claim | Fault]:
     """What events.json says that the rows do not, and the other way round."""
     file = f"{name}/{EVENTS}"
     try:
@@ -55,7 +57,7 @@ def _name(kind: str, one: Mapping[str, Any]) -> str:
     return str(one["event"]) if kind == "script" else "both hands"
 
 
-def _found(told: list[Told]) -> dict[str, Facts]:
+def _found(told: list[FrameTables]) -> dict[str, Facts]:
     facts: dict[str, Facts] = {kind: set() for kind in _KINDS}
     for i, frame in enumerate(told):
         views = frame.truth.views
@@ -74,6 +76,5 @@ def _found(told: list[Told]) -> dict[str, Facts]:
                         facts["occlusions"].add((i, what))
         if all(view.merged[RIGHT_HAND, LEFT_HAND] for view in views):
             facts["ambiguous"].add((i, "both hands"))
-        script = (event for event in frame.truth.events if not event.startswith("merge:"))
-        facts["script"] |= {(i, event) for event in script}
+        facts["script"] |= {(i, event) for event in frame.truth.script_events}
     return facts

@@ -16,9 +16,9 @@ from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from sim.dataset.check.fault import MISSING, Fault, fault_of
 from sim.dataset.check.files import Tree
-from sim.dataset.check.told import Numbers
-from sim.dataset.layout import picture_name
-from sim.dataset.reader import MAX_JSON_BYTES, read_json
+from sim.dataset.check.frame_tables import Numbers
+from sim.dataset.files.layout import picture_name
+from sim.dataset.files.reading import MAX_JSON_BYTES, read_json
 from sim.scene.world import CAMERAS
 
 COCO, MOT = "annotations", "mot"

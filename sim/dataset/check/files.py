@@ -10,8 +10,8 @@ from pathlib import Path
 
 from pjpdaf.errors import BenchError
 from sim.dataset.check.fault import MISSING, Fault, fault_of
-from sim.dataset.checksums import read_sums, sha256_of
-from sim.dataset.layout import CHECKSUMS, LABELS, picture_name
+from sim.dataset.files.checksums import read_sums, sha256_of
+from sim.dataset.files.layout import CHECKSUMS, LABELS, picture_name
 from sim.scene.world import CAMERAS
 
 PICTURES = (*CAMERAS, *(f"background_{camera}" for camera in CAMERAS))

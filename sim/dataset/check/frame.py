@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from pjpdaf.errors import BenchError
 from sim.dataset.check.fault import Fault, fault_of
 from sim.dataset.check.files import Tree
-from sim.dataset.layout import picture_name
-from sim.dataset.reader import Sequence
-from sim.dataset.records import Matches
+from sim.dataset.files.layout import picture_name
+from sim.dataset.labels.records import Matches
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
 T = TypeVar("T")
@@ -53,7 +53,7 @@ class Frame:
 
 
 def load(
-    sequence: Sequence, tree: Tree, index: int, labels: Collection[str], faults: list[Fault]
+    sequence: StoredSequence, tree: Tree, index: int, labels: Collection[str], faults: list[Fault]
 ) -> Frame:
     """Read a frame; faults of its files are added to the list, but for those of missing ones."""
 

@@ -13,11 +13,11 @@ from pjpdaf.arrays import Floats
 from pjpdaf.targets import TARGETS
 from sim.dataset.check.fault import Claim, Fault
 from sim.dataset.check.frame import Frame
-from sim.dataset.check.told import Told
-from sim.dataset.export.rows import Row
-from sim.dataset.instances import FIRST_OBJECT, NOTHING
-from sim.dataset.layout import OBJECTS, TRUTH
-from sim.dataset.records import NOT_LABELLED, VISIBLE
+from sim.dataset.check.frame_tables import FrameTables
+from sim.dataset.files.layout import OBJECTS, TRUTH
+from sim.dataset.frame_rows import FrameRow
+from sim.dataset.labels.instances import FIRST_OBJECT, NOTHING
+from sim.dataset.labels.records import NOT_LABELLED, VISIBLE
 from sim.labels import TOUCH_PX
 from sim.scene.world import CAMERAS
 
@@ -27,7 +27,7 @@ _BOX = ("x", "y", "width", "height")
 
 
 def seg_faults(
-    frame: Frame, told: Told, view: int, names: Mapping[int, str]
+    frame: Frame, told: FrameTables, view: int, names: Mapping[int, str]
 ) -> Iterator[Fault | Claim]:
     """Of the file of ids, if it is not of this frame; else of the table's numbers of it.
 
@@ -76,7 +76,7 @@ def seg_faults(
 
 
 def amodal_faults(
-    frame: Frame, told: Told, view: int, names: Mapping[int, str]
+    frame: Frame, told: FrameTables, view: int, names: Mapping[int, str]
 ) -> Iterator[Fault | Claim]:
     """Of the amodal masks and what is counted in them, given ids that are right."""
     eye, camera = frame.eyes[view], CAMERAS[view]
@@ -161,7 +161,9 @@ def _near(seg: NDArray[np.uint8], a: int, b: int, box_a: Floats, box_b: Floats) 
     return bool(np.any(away[window == b] < reach + 0.5))
 
 
-def _merge_claims(frame: Frame, told: Told, view: int, seg: NDArray[np.uint8]) -> Iterator[Claim]:
+def _merge_claims(
+    frame: Frame, told: FrameTables, view: int, seg: NDArray[np.uint8]
+) -> Iterator[Claim]:
     seen, camera = told.truth.views[view], CAMERAS[view]
     found = merged(seg, np.array([measured(seg == 1 + t)[2] for t in range(len(TARGETS))]))
     for a, b in np.argwhere(found != seen.merged).tolist():
@@ -170,7 +172,7 @@ def _merge_claims(frame: Frame, told: Told, view: int, seg: NDArray[np.uint8]) -
 
 
 def _keypoint_claims(
-    frame: Frame, told: Told, view: int, seg: NDArray[np.uint8]
+    frame: Frame, told: FrameTables, view: int, seg: NDArray[np.uint8]
 ) -> Iterator[Claim]:
     height, width = seg.shape
     at = np.floor(told.keypoints_px[view] + 0.5)
@@ -195,7 +197,7 @@ def _same(mine: Floats, said: Floats) -> bool:
     return np.allclose(mine, said, rtol=0, atol=SAME_PX, equal_nan=True)
 
 
-def _numbers(row: Row, names: list[str]) -> Floats:
+def _numbers(row: FrameRow, names: list[str]) -> Floats:
     return np.array([np.nan if row[n] is None else row[n] for n in names], np.float64)
 
 

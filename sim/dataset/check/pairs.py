@@ -13,10 +13,10 @@ from pjpdaf.camera import StereoRig
 from sim.dataset.check.depth import CLOSES_PX, LEAST_CLOSED, STILL, tolerance_px
 from sim.dataset.check.fault import Fault
 from sim.dataset.check.frame import Frame
-from sim.dataset.check.sight import Places, Sight, corners, inside, mixed
-from sim.dataset.instances import PERSON
-from sim.dataset.layout import DISPARITY_SCALE, FLOW_SCALE
-from sim.dataset.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN
+from sim.dataset.check.pixel_rays import PixelRays, Places, corners, inside, mixed
+from sim.dataset.files.layout import DISPARITY_SCALE, FLOW_SCALE
+from sim.dataset.labels.instances import PERSON
+from sim.dataset.labels.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN
 from sim.scene.world import CAMERAS
 
 STEP = 6
@@ -34,7 +34,7 @@ class RectifiedSights:
     def __init__(self, rig: StereoRig) -> None:
         R1, R2, P1, P2, *_ = rectify(rig)
         self.sights = tuple(
-            Sight(
+            PixelRays(
                 replace(
                     camera,
                     K=P[:, :3],
@@ -50,7 +50,7 @@ class RectifiedSights:
 
 
 def disparity_wrong(
-    frame: Frame, view: int, pair: RectifiedSights, sights: tuple[Sight, Sight], still: bool
+    frame: Frame, view: int, pair: RectifiedSights, sights: tuple[PixelRays, PixelRays], still: bool
 ) -> float | None:
     """Share of the pixels of disparity_* whose surface is not where the view's depth has it, where
     they are too many; else None.
@@ -126,7 +126,7 @@ def occlusion_faults(frame: Frame, view: int) -> list[Fault]:
 
 
 def correspondence_faults(
-    frame: Frame, view: int, sights: tuple[Sight, Sight], still: bool
+    frame: Frame, view: int, sights: tuple[PixelRays, PixelRays], still: bool
 ) -> list[Fault]:
     """Of correspondence_*: against the view's depth, and to the other view and back.
 

@@ -8,9 +8,9 @@ from pjpdaf.arrays import Floats
 from pjpdaf.camera import StereoRig, distort_points, project, to_camera
 from pjpdaf.targets import HEAD
 from sim.dataset.check.fault import Claim, Fault, gathered
-from sim.dataset.check.told import Told
-from sim.dataset.layout import RIG, TRUTH
-from sim.dataset.records import KEYPOINTS, NOT_LABELLED
+from sim.dataset.check.frame_tables import FrameTables
+from sim.dataset.files.layout import RIG, TRUTH
+from sim.dataset.labels.records import KEYPOINTS, NOT_LABELLED
 from sim.scene.world import CAMERAS
 
 SAME_PX = 0.01  # pixels are computed in single precision, through the lens too
@@ -18,7 +18,9 @@ HEAD_MPS2 = 3.0  # acceleration of a head
 _HEAD = np.array([target == HEAD for target, _ in KEYPOINTS])
 
 
-def projection_faults(name: str, told: list[Told], rig: StereoRig, skew_s: float) -> list[Fault]:
+def projection_faults(
+    name: str, told: list[FrameTables], rig: StereoRig, skew_s: float
+) -> list[Fault]:
     """rig.json's where most frames disagree with it, else truth.parquet's.
 
     With shutter skew the right view's keypoints are of another moment: there only the head's are
@@ -48,7 +50,7 @@ def projection_faults(name: str, told: list[Told], rig: StereoRig, skew_s: float
     return faults
 
 
-def _off(frame: Told, rig: StereoRig, view: int, later_s: float) -> float:
+def _off(frame: FrameTables, rig: StereoRig, view: int, later_s: float) -> float:
     """How much farther the worst keypoint is off than allowed [px]; 0 or less if none is."""
     camera = rig.cameras[view]
     points, said = frame.keypoints_m, frame.keypoints_px[view]

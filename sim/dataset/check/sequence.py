@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from pjpdaf.arrays import Image
 from pjpdaf.errors import BenchError
 from sim.dataset.check.cameras import camera_faults, usable
 from sim.dataset.check.depth import (
@@ -23,16 +24,17 @@ from sim.dataset.check.depth import (
     validity_faults,
 )
 from sim.dataset.check.events import event_faults
-from sim.dataset.check.eyes import (
-    Picture,
-    exchanged,
-    exchanged_faults,
-    lone_fault,
-    wrong_eye,
-)
 from sim.dataset.check.fault import MISSING, Claim, Fault, fault_of, gathered
 from sim.dataset.check.files import Sums, Tree, completeness_faults, damaged, twice_faults
 from sim.dataset.check.frame import Frame, load
+from sim.dataset.check.frame_tables import (
+    FrameTables,
+    Numbers,
+    numbers_of,
+    read_frames,
+    shape_claims,
+    time_claims,
+)
 from sim.dataset.check.masks import amodal_faults, seg_faults
 from sim.dataset.check.pairs import (
     RectifiedSights,
@@ -41,11 +43,16 @@ from sim.dataset.check.pairs import (
     float_faults,
     occlusion_faults,
 )
+from sim.dataset.check.pixel_rays import PixelRays
 from sim.dataset.check.projection import projection_faults
-from sim.dataset.check.sight import Sight
-from sim.dataset.check.told import Numbers, Told, numbers_of, shape_claims, time_claims, told_of
-from sim.dataset.layout import EVENTS, OBJECTS, RECIPE, RIG, TRUTH, picture_name
-from sim.dataset.reader import Sequence
+from sim.dataset.check.view_order import (
+    exchanged_faults,
+    lone_fault,
+    views_swapped,
+    wrong_eye,
+)
+from sim.dataset.files.layout import EVENTS, OBJECTS, RECIPE, RIG, TRUTH, picture_name
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
 VIEWS = (0, 1)
@@ -61,7 +68,7 @@ class Checked:
 
 
 def check_sequence(
-    sequence: Sequence, tree: Tree, sums: Sums, labels: Collection[str], hash_files: bool
+    sequence: StoredSequence, tree: Tree, sums: Sums, labels: Collection[str], hash_files: bool
 ) -> Checked:
     """tree, sums: of this sequence, by paths from the data set's folder."""
     faults = list(damaged(tree, sums, tree.plain)) if hash_files else []
@@ -76,9 +83,9 @@ def check_sequence(
     except BenchError as error:
         return Checked((*faults, fault_of(error, tree.root)), None)
     faults += _entry_faults(sequence, tree)
-    told: list[Told] | None = None
+    told: list[FrameTables] | None = None
     try:
-        told = told_of(sequence)
+        told = read_frames(sequence)
     except BenchError as error:
         faults.append(fault_of(error, tree.root))
     if told is not None or sequence.entry.get("frames") == frames:
@@ -108,7 +115,7 @@ def _number(path: str) -> int:
     return int(stem) if stem.isascii() and stem.isdigit() and len(stem) < 9 else 0
 
 
-def _entry_faults(sequence: Sequence, tree: Tree) -> Iterator[Fault]:
+def _entry_faults(sequence: StoredSequence, tree: Tree) -> Iterator[Fault]:
     """manifest.json's entry against rig.json and recipe.json."""
     recipe: Mapping[str, Any] = {}
     try:
@@ -128,7 +135,7 @@ def _entry_faults(sequence: Sequence, tree: Tree) -> Iterator[Fault]:
             yield Fault(where, f"{key} is {value}, manifest.json says {entry.get(key)}")
 
 
-def _told_faults(sequence: Sequence, root: Path, told: list[Told]) -> list[Fault]:
+def _told_faults(sequence: StoredSequence, root: Path, told: list[FrameTables]) -> list[Fault]:
     """Of the tables and of events.json."""
     claims: list[Claim] = []
     faults: list[Fault] = []
@@ -159,16 +166,16 @@ class _Eyes:
 
     def __init__(
         self,
-        sequence: Sequence,
+        sequence: StoredSequence,
         skew_s: float,
         names: dict[int, str],
-        told: list[Told] | None,
+        told: list[FrameTables] | None,
         seen: bool,
     ) -> None:
         self.faults: list[Fault] = []
         self.claims: list[Claim] = []
         self._sequence, self._skew_s, self._names, self._told = sequence, skew_s, names, told
-        self._sights = tuple(Sight(camera) for camera in sequence.rig.cameras) if seen else None
+        self._sights = tuple(PixelRays(camera) for camera in sequence.rig.cameras) if seen else None
         self._rectified = RectifiedSights(sequence.rig) if seen else None
         self._good: Frame | None = None  # the first whose depth has no fault
         self._still: Crossing | None = None  # of what stands still, from left to right
@@ -194,7 +201,7 @@ class _Eyes:
             if not named & {frame.file(kind, view) for kind in ("disparity", "correspondence")}:
                 self.faults += float_faults(frame, view)
 
-    def _masks(self, frame: Frame, view: int, told: Told | None) -> bool:
+    def _masks(self, frame: Frame, view: int, told: FrameTables | None) -> bool:
         """Whether the view's ids can be built upon."""
         eye = frame.eyes[view]
         if eye.seg is None:
@@ -212,8 +219,8 @@ class _Eyes:
     def _depths(
         self,
         frame: Frame,
-        told: Told | None,
-        sights: tuple[Sight, ...],
+        told: FrameTables | None,
+        sights: tuple[PixelRays, ...],
         rectified: RectifiedSights,
     ) -> None:
         pair = sights[0], sights[1]
@@ -260,7 +267,9 @@ class _Eyes:
             self._good = self._good or frame
             self._pictures(frame, closings[0].crossing, pair)
 
-    def _pictures(self, frame: Frame, crossing: Crossing, sights: tuple[Sight, Sight]) -> None:
+    def _pictures(
+        self, frame: Frame, crossing: Crossing, sights: tuple[PixelRays, PixelRays]
+    ) -> None:
         self.faults += exchanged_faults(frame, crossing)
         self.faults += exchanged_faults(frame, crossing, "clean")
         came = [view for view in VIEWS if frame.eyes[view].picture is not None]
@@ -271,7 +280,7 @@ class _Eyes:
 
     def check_backgrounds(self, tree: Tree, count: int) -> None:
         """The person-free pictures, and by them those whose other eye did not arrive."""
-        first: tuple[Picture, Picture] | None = None
+        first: tuple[Image, Image] | None = None
         for index in range(count):
             folders = [f"background_{camera}" for camera in CAMERAS]
             files = [f"{self._sequence.name}/{f}/{picture_name(index)}" for f in folders]
@@ -286,7 +295,7 @@ class _Eyes:
             if len(pictures) < len(VIEWS) or self._still is None:
                 continue
             pair = pictures[0], pictures[1]
-            if exchanged(pair, self._still):
+            if views_swapped(pair, self._still):
                 self.faults += [Fault(files[view], wrong_eye(view)) for view in VIEWS]
             elif first is None:
                 first = pair

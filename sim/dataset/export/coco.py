@@ -22,10 +22,11 @@ from numpy.typing import NDArray
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from sim.dataset.export.folder import files_of, replaced_folder, sequences_of
-from sim.dataset.export.rows import Frame, Row, frames_of, object_kinds
-from sim.dataset.layout import RIG, SCHEMA_VERSION, picture_name
-from sim.dataset.reader import Dataset, Sequence
-from sim.dataset.records import HAND_POINTS, HEAD_POINTS, KEYPOINTS, NOT_LABELLED
+from sim.dataset.files.layout import RIG, SCHEMA_VERSION, picture_name
+from sim.dataset.frame_rows import FrameRow, FrameRows, frames_of, object_kinds
+from sim.dataset.labels.records import HAND_POINTS, HEAD_POINTS, KEYPOINTS, NOT_LABELLED
+from sim.dataset.reader import Dataset
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
 FOLDER = "annotations"
@@ -200,20 +201,20 @@ class _File:
 class _View:
     """One view of a sequence."""
 
-    def __init__(self, sequence: Sequence, view: int, amodal: bool, rle: _RunLengths) -> None:
+    def __init__(self, sequence: StoredSequence, view: int, amodal: bool, rle: _RunLengths) -> None:
         self._sequence, self._view, self._camera = sequence, view, CAMERAS[view]
         self._amodal, self._rle = amodal, rle
         self._size = sequence.rig.cameras[view]
         self._ids = {one.name: one.id for one in sequence.instances if one.kind == "object"}
         self._kinds = object_kinds(sequence)
 
-    def write(self, frames: list[Frame], file: _File) -> None:
+    def write(self, frames: list[FrameRows], file: _File) -> None:
         """All that this view's pictures show."""
         for frame in frames:
             if frame.arrived[self._camera]:
                 self._frame(file, frame)
 
-    def _frame(self, file: _File, frame: Frame) -> None:
+    def _frame(self, file: _File, frame: FrameRows) -> None:
         seg = self._sequence.seg(self._view, frame.index)
         shown = set(np.flatnonzero(np.bincount(seg.ravel())).tolist())
         wanted: list[tuple[int, dict[str, Any]]] = []
@@ -249,7 +250,7 @@ class _View:
                     }
                 )
 
-    def _image(self, number: int, frame: Frame, hidden: list[dict[str, Any]]) -> dict[str, Any]:
+    def _image(self, number: int, frame: FrameRows, hidden: list[dict[str, Any]]) -> dict[str, Any]:
         name = self._sequence.name
         return {
             "id": number,
@@ -275,7 +276,7 @@ class _View:
             for runs, area, box in masks
         ]
 
-    def _target(self, row: Row) -> dict[str, Any]:
+    def _target(self, row: FrameRow) -> dict[str, Any]:
         camera = self._camera
         status, points = row[f"keypoint_status_{camera}"], row[f"keypoints_{camera}_px"]
         flat: list[float] = []
@@ -292,7 +293,7 @@ class _View:
             "keypoints_3d_m": [_rounded(point, _M) for point in row["keypoints_m"]],
         }
 
-    def _object(self, number: int, row: Row) -> dict[str, Any]:
+    def _object(self, number: int, row: FrameRow) -> dict[str, Any]:
         name = row["object"]
         kind = self._kinds.get(name)
         if kind not in OBJECT_KINDS:

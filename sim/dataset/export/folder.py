@@ -8,8 +8,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from pjpdaf.errors import BenchError
-from sim.dataset.layout import PART
-from sim.dataset.reader import Dataset, Sequence
+from sim.dataset.files.layout import PART
+from sim.dataset.reader import Dataset
+from sim.dataset.stored_sequence import StoredSequence
 from sim.files import disk_faults
 
 _BEGINNINGS = {".png": b"\x89PNG\r\n\x1a\n", ".npz": b"PK"}
@@ -52,10 +53,10 @@ def files_of(folder: Path) -> list[Path]:
     return sorted(path for path in folder.rglob("*") if path.is_file())
 
 
-def sequences_of(dataset: Dataset) -> Iterator[Sequence]:
+def sequences_of(dataset: Dataset) -> Iterator[StoredSequence]:
     """The sequences one by one, each without the tables that it held: memory does not grow."""
     for sequence in dataset.sequences:
-        yield Sequence(sequence.folder, sequence.entry)
+        yield StoredSequence(sequence.folder, sequence.entry)
 
 
 def file_bytes(path: Path) -> bytes:

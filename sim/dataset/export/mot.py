@@ -9,8 +9,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from sim.dataset.export.folder import files_of, replaced_folder, sequences_of
-from sim.dataset.export.rows import Frame, box_of, frames_of
-from sim.dataset.reader import Dataset, Sequence
+from sim.dataset.frame_rows import FrameRows, box_of, frames_of
+from sim.dataset.reader import Dataset
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
 FOLDER = "mot"
@@ -37,7 +38,7 @@ def export(
     return files_of(folder)
 
 
-def _boxes(frames: list[Frame], camera: str) -> str:
+def _boxes(frames: list[FrameRows], camera: str) -> str:
     """A line for each target that a picture shows."""
     lines = []
     for frame in frames:
@@ -49,7 +50,7 @@ def _boxes(frames: list[Frame], camera: str) -> str:
     return "".join(lines)
 
 
-def _positions(frames: list[Frame], camera: str) -> str:
+def _positions(frames: list[FrameRows], camera: str) -> str:
     """A line for each target in each frame: x, y, z [m]; hidden ones have no box, and active 0."""
     lines = []
     for frame in frames:
@@ -61,7 +62,7 @@ def _positions(frames: list[Frame], camera: str) -> str:
     return "".join(lines)
 
 
-def _corner(frame: Frame, number: int, camera: str) -> str | None:
+def _corner(frame: FrameRows, number: int, camera: str) -> str | None:
     """left,top,width,height counted from 1, None where no picture shows the target."""
     box = box_of(frame.targets[number - 1], camera) if frame.arrived[camera] else None
     if box is None:
@@ -70,7 +71,7 @@ def _corner(frame: Frame, number: int, camera: str) -> str | None:
     return f"{left + 1:g},{top + 1:g},{width:g},{height:g}"
 
 
-def _seqinfo(sequence: Sequence, view: int) -> str:
+def _seqinfo(sequence: StoredSequence, view: int) -> str:
     camera, size = CAMERAS[view], sequence.rig.cameras[view]
     return (
         "[Sequence]\n"

@@ -19,9 +19,10 @@ from pjpdaf.camera import Camera
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from sim.dataset.export.folder import file_bytes, files_of, replaced_folder, sequences_of
-from sim.dataset.export.rows import Frame, Row, box_of, frames_of
-from sim.dataset.layout import MANIFEST, picture_name
-from sim.dataset.reader import Dataset, Sequence
+from sim.dataset.files.layout import MANIFEST, picture_name
+from sim.dataset.frame_rows import FrameRow, FrameRows, box_of, frames_of
+from sim.dataset.reader import Dataset
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
 FOLDER = "parquet"
@@ -118,7 +119,7 @@ def export(
     return files_of(folder)
 
 
-def _common(dataset: Dataset, sequence: Sequence) -> dict[str, Any]:
+def _common(dataset: Dataset, sequence: StoredSequence) -> dict[str, Any]:
     entry = sequence.entry
     row: dict[str, Any] = {"sequence": sequence.name}
     for key, kind in {"scenario": str, "group": str, "seed": int}.items():
@@ -136,7 +137,7 @@ def _numbers(camera: Camera) -> dict[str, Any]:
     return {name: getattr(camera, name).tolist() for name in ("K", "R_cw", "t_cw", "distortion")}
 
 
-def _pictures(sequence: Sequence, frame: Frame) -> dict[str, Any]:
+def _pictures(sequence: StoredSequence, frame: FrameRows) -> dict[str, Any]:
     row: dict[str, Any] = {}
     for camera in CAMERAS:
         path = f"{camera}/{picture_name(frame.index)}"
@@ -148,7 +149,7 @@ def _pictures(sequence: Sequence, frame: Frame) -> dict[str, Any]:
     return row
 
 
-def _said(frame: Frame) -> dict[str, Any]:
+def _said(frame: FrameRows) -> dict[str, Any]:
     targets, things = frame.targets, frame.objects
     row: dict[str, Any] = {
         "frame_index": frame.index,
@@ -195,11 +196,11 @@ def _said(frame: Frame) -> dict[str, Any]:
     return row
 
 
-def _vector(row: Row, name: str) -> list[float]:
+def _vector(row: FrameRow, name: str) -> list[float]:
     return [_known(row[name.format(axis)]) for axis in "xyz"]
 
 
-def _box(row: Row, camera: str, prefix: str) -> list[float]:
+def _box(row: FrameRow, camera: str, prefix: str) -> list[float]:
     return box_of(row, camera, prefix) or [math.nan] * 4
 
 

@@ -14,10 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from sim.dataset.export.folder import file_bytes, files_of, replaced_folder, sequences_of
-from sim.dataset.export.rows import Frame, Row, frames_of
-from sim.dataset.layout import LABELS, picture_name
-from sim.dataset.reader import Dataset, Sequence
-from sim.dataset.writer import camera_record
+from sim.dataset.files.cameras import camera_record
+from sim.dataset.files.layout import LABELS, picture_name
+from sim.dataset.frame_rows import FrameRow, FrameRows, frames_of
+from sim.dataset.reader import Dataset
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
 FOLDER = "webdataset"
@@ -55,7 +56,7 @@ def export(
 
 
 def _sample(
-    dataset: Dataset, sequence: Sequence, frame: Frame, common: Mapping[str, Any]
+    dataset: Dataset, sequence: StoredSequence, frame: FrameRows, common: Mapping[str, Any]
 ) -> dict[str, bytes]:
     """The members of a sample by what follows its key."""
     members = {}
@@ -73,7 +74,7 @@ def _sample(
     return members
 
 
-def _common(sequence: Sequence) -> dict[str, Any]:
+def _common(sequence: StoredSequence) -> dict[str, Any]:
     """What the JSON of each frame of a sequence has: cameras and what the ids mean."""
     return {
         "sequence": sequence.name,
@@ -90,7 +91,7 @@ def _cameras(cameras: Any) -> dict[str, Any]:
     return {name: camera_record(one) for name, one in zip(CAMERAS, cameras, strict=True)}
 
 
-def _said(frame: Frame) -> dict[str, Any]:
+def _said(frame: FrameRows) -> dict[str, Any]:
     """The frame's rows of the tables, what all of them share only once."""
     return {
         "frame_index": frame.index,
@@ -103,7 +104,7 @@ def _said(frame: Frame) -> dict[str, Any]:
     }
 
 
-def _without(row: Row) -> dict[str, Any]:
+def _without(row: FrameRow) -> dict[str, Any]:
     return {name: value for name, value in row.items() if name not in _OF_FRAME}
 
 

@@ -21,10 +21,10 @@ from reports.dataset.sheet import GAP_PX, TILE_PX, dataset_sheet
 from scenarios.play.recipe import sized
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
-from sim.dataset.layout import sequence_name
-from sim.dataset.manifest import Entry, manifest_record, write_manifest
+from sim.dataset.files.layout import sequence_name
+from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
+from sim.dataset.labels.records import KEYPOINTS
 from sim.dataset.reader import open_dataset
-from sim.dataset.records import KEYPOINTS
 from sim.dataset.statistics import statistics_of
 from sim.dataset.writer import write_sequence
 from sim.scene.world import CAMERAS
@@ -53,7 +53,7 @@ def dataset(tmp_path_factory):
         with Simulation(sized(perform(scenario, seed, changes), SIZE_PX)) as simulation:
             write_sequence(simulation, target, labels, {"values": {"skin_ita": 30.0}})
         entries.append(
-            Entry(
+            SequenceEntry(
                 target.name,
                 HOSTILE if index else name,
                 HOSTILE if index else name,

@@ -13,7 +13,8 @@ from reports.gate.pairing import (
     joined,
     same_results,
 )
-from reports.run.results import RunInfo, load, save
+from reports.run.load import load
+from reports.run.save import RunInfo, save
 from reports.score.records import EpisodeFailure
 
 GROUPS = {"calm": "baseline", "drink": "hand_and_head", "cross": "hand_and_hand"}

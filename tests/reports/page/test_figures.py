@@ -18,7 +18,8 @@ from reports.page.figures import (
     speed_series,
     stacked_bars,
 )
-from reports.run.results import RunInfo, load, save
+from reports.run.load import load
+from reports.run.save import RunInfo, save
 
 
 @pytest.fixture

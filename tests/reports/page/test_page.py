@@ -20,8 +20,9 @@ from pjpdaf.frames import StereoFrame
 from reports.page.page import build_page, write_page
 from reports.pictures.overlay import overlay_jpeg
 from reports.pictures.stills import still
-from reports.run.results import RunInfo, load, save
+from reports.run.load import load
 from reports.run.rows import rows_of
+from reports.run.save import RunInfo, save
 from reports.score.records import BUDGET_LEVELS, EpisodeFailure, Picture, Still
 
 LEFT = "document.querySelector('[data-part=left]')"

@@ -13,8 +13,9 @@ from pjpdaf.camera import project
 from pjpdaf.frames import StereoFrame
 from reports.page.player import episode_data, films, pack, takes, worst_frame
 from reports.pictures.stills import VIEW_WIDTH_PX, still
-from reports.run.results import RunInfo, load, save
+from reports.run.load import load
 from reports.run.rows import rows_of
+from reports.run.save import RunInfo, save
 from reports.score.ranking import badness, went_wrong, worst_first
 from reports.score.records import Still
 

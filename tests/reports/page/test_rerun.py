@@ -15,7 +15,8 @@ from pjpdaf.targets import TARGETS
 from reports.page.player import takes
 from reports.page.rerun import CORNER_PX, TRAIL_S, recording_id, write_rerun
 from reports.pictures.stills import still
-from reports.run.results import RunInfo, load, save, save_slim
+from reports.run.load import load
+from reports.run.save import RunInfo, save, save_slim
 from reports.score.records import VIEWS, Still
 
 F = 20

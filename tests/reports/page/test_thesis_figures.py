@@ -5,7 +5,8 @@ import pytest
 
 from reports.page.player import takes
 from reports.page.thesis_figures import NOT_STATED, thesis_figures
-from reports.run.results import RunInfo, load, save
+from reports.run.load import load
+from reports.run.save import RunInfo, save
 
 NONE = np.zeros((3, 3), bool)
 

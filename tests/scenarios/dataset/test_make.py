@@ -20,8 +20,9 @@ from scenarios.play.ladder import RUNGS
 from scenarios.play.play import Job
 from scenarios.play.recipe import Recipe, Settings, labels_named, read_recipe, size_named
 from scenarios.spec.scenario import digest
-from sim.dataset.checksums import read_sums, sha256_of
-from sim.dataset.reader import open_dataset, read_json
+from sim.dataset.files.checksums import read_sums, sha256_of
+from sim.dataset.files.reading import read_json
+from sim.dataset.reader import open_dataset
 
 SMALL = Settings(("depth", "seg"), (96, 72))
 WORDS = ["cross", "recorded", "--seeds", "2", "--first-seed", "100", "--size", "96x72"]

@@ -12,7 +12,7 @@ from scenarios.dataset.show import ShowDatasetRequest, show_dataset
 from scenarios.play.play import Job, System
 from scenarios.play.recipe import Recipe, Settings
 from scenarios.spec.names import load_scenario
-from sim.dataset.manifest import manifest_record, write_manifest
+from sim.dataset.files.manifest import manifest_record, write_manifest
 
 SETTINGS = Settings(("depth", "seg"), (96, 72))
 

@@ -10,7 +10,7 @@ from scenarios.dataset.verify import VerifyRequest, cast_rays, verify_dataset
 from scenarios.play.play import Job, System
 from scenarios.play.recipe import Recipe, Settings
 from scenarios.spec.names import load_scenario
-from sim.dataset.manifest import Entry, manifest_record, write_manifest
+from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
 from sim.dataset.writer import write_sequence
 from sim.sequence import Simulation
 
@@ -28,7 +28,7 @@ def made(tmp_path_factory):
     record = recipe.record(performance.redrawn)
     with Simulation(performance) as simulation:
         write_sequence(simulation, folder / SEQ, recipe.settings.labels, record)
-    entry = Entry(
+    entry = SequenceEntry(
         SEQ, "cross", record["label"], scenario.group, 161, "", record["digest"], 5, performance.fps
     )
     write_manifest(folder, manifest_record([entry], recipe.settings.record(), {}, complete=True))

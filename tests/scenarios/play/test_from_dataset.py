@@ -14,14 +14,16 @@ import pytest
 import sim.dataset
 from pjpdaf.errors import BenchError
 from reports.gate.gate import compare
-from reports.run.results import RunInfo, load, save, tables_of
+from reports.run.load import load
 from reports.run.rows import rows_of
+from reports.run.save import RunInfo, save
+from reports.run.tables import tables_of
 from scenarios.play.play import Job, System, digest_of, play
 from scenarios.play.recipe import Recipe, Settings
 from scenarios.run.run import RunRequest, entry_of, plan
 from scenarios.spec.names import load_scenario
-from sim.dataset.layout import sequence_name
-from sim.dataset.manifest import Entry, manifest_record, write_manifest
+from sim.dataset.files.layout import sequence_name
+from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
 from sim.dataset.writer import write_sequence
 from sim.sequence import Simulation
 
@@ -52,7 +54,7 @@ def make(folder, jobs, size_px=None):
             write_sequence(simulation, target, (), recipe.record(simulation.redrawn))
         name, frames = one.scenario.name, int(one.overrides["frames"])
         entries.append(
-            Entry(
+            SequenceEntry(
                 target.name,
                 name,
                 one.name,

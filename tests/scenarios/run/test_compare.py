@@ -8,7 +8,8 @@ import pytest
 
 from pjpdaf.errors import BenchError
 from reports.gate.pairing import NotComparable
-from reports.run.results import RunInfo, load, save, save_slim
+from reports.run.load import load
+from reports.run.save import RunInfo, save, save_slim
 from scenarios.execute.episodes import play_all
 from scenarios.play.play import Job, System
 from scenarios.play.targets import parts_of

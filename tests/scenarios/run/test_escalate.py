@@ -7,7 +7,7 @@ import pytest
 
 from reports.gate.gate import compare
 from reports.gate.pairing import NotComparable
-from reports.run.results import load
+from reports.run.load import load
 from scenarios.execute.episodes import play_all
 from scenarios.play.play import digest_of
 from scenarios.run.compare import CompareRequest, compare_runs

@@ -17,8 +17,10 @@ from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from reports.footage.tracks import TrackWriter
 from reports.gate.gate import compare
-from reports.run.results import RunInfo, load, save, tables_of
+from reports.run.load import load
 from reports.run.rows import rows_of
+from reports.run.save import RunInfo, save
+from reports.run.tables import tables_of
 from scenarios.play.play import play
 from scenarios.run.run import entry_of, plan
 from scenarios.tracks.files import read_tracks

@@ -11,9 +11,10 @@ from small_dataset import SEQUENCES
 from pjpdaf.errors import BenchError
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
-from sim.dataset import encode
+from sim.dataset.files import encode
 from sim.dataset.raytruth import MOST_MEDIAN_M, MOST_WRONG, lines_of, ray_check, together
-from sim.dataset.reader import Sequence, open_dataset
+from sim.dataset.reader import open_dataset
+from sim.dataset.stored_sequence import StoredSequence
 from sim.dataset.writer import write_sequence
 from sim.sequence import Simulation
 
@@ -26,7 +27,7 @@ def moving(tmp_path_factory):
     overrides = {"frames": 6, "fps": 1.0, "background_frames": 0, "shutter_skew": 50, "jitter": 40}
     with Simulation(perform(load_scenario("clap"), 151, overrides)) as simulation:
         write_sequence(simulation, folder, ("seg", "depth"), {})
-        yield simulation, Sequence(folder, {})
+        yield simulation, StoredSequence(folder, {})
 
 
 def simulation_of(number):
@@ -61,7 +62,7 @@ def test_rays_are_cast_at_each_view_s_own_moment(moving):
 
 def test_files_of_another_moment_do_not_agree(moving, tmp_path):
     simulation, sequence = moving
-    copy = Sequence(tmp_path / "seq_000000", {})
+    copy = StoredSequence(tmp_path / "seq_000000", {})
     shutil.copytree(sequence.folder, copy.folder)
     for kind in ("seg_left", "depth_left"):
         shutil.copy(copy.folder / kind / "000002.png", copy.folder / kind / "000006.png")
@@ -73,7 +74,7 @@ def test_files_of_another_moment_do_not_agree(moving, tmp_path):
 
 def test_a_share_of_wrong_pixels_is_counted_wherever_they_lie(moving, tmp_path):
     simulation, sequence = moving
-    copy = Sequence(tmp_path / "seq_000000", {})
+    copy = StoredSequence(tmp_path / "seq_000000", {})
     shutil.copytree(sequence.folder, copy.folder)
     path = copy.folder / "seg_left" / "000001.png"
     seg = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
@@ -85,7 +86,7 @@ def test_a_share_of_wrong_pixels_is_counted_wherever_they_lie(moving, tmp_path):
 
 def test_a_wrong_depth_is_measured(moving, tmp_path):
     simulation, sequence = moving
-    copy = Sequence(tmp_path / "seq_000000", {})
+    copy = StoredSequence(tmp_path / "seq_000000", {})
     shutil.copytree(sequence.folder, copy.folder)
     for camera in ("left", "right"):
         path = copy.folder / f"depth_{camera}" / "000001.png"
@@ -110,7 +111,7 @@ def test_another_rig_and_unknown_frames_are_refused(moving, tmp_path):
     simulation, sequence = moving
     with pytest.raises(BenchError, match="has no frame 6"):
         ray_check(simulation, sequence, [6])
-    copy = Sequence(tmp_path / "seq_000000", {})
+    copy = StoredSequence(tmp_path / "seq_000000", {})
     shutil.copytree(sequence.folder, copy.folder)
     record = json.loads((copy.folder / "rig.json").read_text())
     record["cameras"]["right"]["K"][0][0] += 1

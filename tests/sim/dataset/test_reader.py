@@ -20,8 +20,8 @@ import sim.dataset
 from pjpdaf.errors import BenchError
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
-from sim.dataset.layout import LABELS
-from sim.dataset.tables import TRUTH_SCHEMA
+from sim.dataset.files.layout import LABELS
+from sim.dataset.files.tables import TRUTH_SCHEMA
 from sim.sequence import Simulation
 
 FIRST = "seq_000000"

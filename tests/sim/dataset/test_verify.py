@@ -19,16 +19,17 @@ from pjpdaf.errors import BenchError
 from scenarios.play.recipe import sized
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
-from sim.dataset import encode
 from sim.dataset.check.exports import run_lengths
 from sim.dataset.check.fault import Fault
 from sim.dataset.check.masks import measured, merged
-from sim.dataset.checksums import sha256_of, text_of
 from sim.dataset.export import coco, mot
-from sim.dataset.layout import CHECKSUMS, LABELS, conventions
-from sim.dataset.manifest import Entry, manifest_record, write_manifest
-from sim.dataset.reader import Sequence, open_dataset
-from sim.dataset.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA
+from sim.dataset.files import encode
+from sim.dataset.files.checksums import sha256_of, text_of
+from sim.dataset.files.layout import CHECKSUMS, LABELS, conventions
+from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
+from sim.dataset.files.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA
+from sim.dataset.reader import open_dataset
+from sim.dataset.stored_sequence import StoredSequence
 from sim.dataset.verify import verify
 from sim.dataset.writer import write_sequence
 from sim.labels import merged as drawn_merged
@@ -77,7 +78,9 @@ def trio(tmp_path_factory):
         with Simulation(scene) as simulation:
             write_sequence(simulation, target, tuple(LABELS), {"test": name})
         entries.append(
-            Entry(target.name, name, name, scenario.group, seed, "", "", scene.frames, scene.fps)
+            SequenceEntry(
+                target.name, name, name, scenario.group, seed, "", "", scene.frames, scene.fps
+            )
         )
     finish(folder, entries)
     return folder
@@ -88,7 +91,9 @@ def single(trio, tmp_path_factory):
     """Its first sequence alone, with exports."""
     folder = tmp_path_factory.mktemp("verify") / "set"
     shutil.copytree(trio / SEQ, folder / SEQ)
-    finish(folder, [Entry(**json.loads((trio / "manifest.json").read_text())["sequences"][0])])
+    finish(
+        folder, [SequenceEntry(**json.loads((trio / "manifest.json").read_text())["sequences"][0])]
+    )
     dataset = open_dataset(folder)
     coco.export(dataset, folder)
     mot.export(dataset, folder)
@@ -343,7 +348,7 @@ def test_a_wrong_baseline_of_the_rig_is_named(copies):
     names = ["seq_000000", "seq_000001", "seq_000002"]
     for name in names:
         edit_json(copies / name / "rig.json", longer)
-        sequence = Sequence(copies / name, {})
+        sequence = StoredSequence(copies / name, {})
         write_rig(sequence.calibration, copies / name / "calib")
         write_rig(sequence.rig, copies / name / "calib" / "error_free")
     faults = found(copies)

@@ -37,7 +37,7 @@ def cues(played, name):
 def shown(played, times_s):
     """Truth at these times."""
     with Simulation(replace(played, fps=100.0, frames=100_000)) as simulation:
-        return [simulation.shot(round(100 * t)).truth for t in times_s]
+        return [simulation.render(round(100 * t)).truth for t in times_s]
 
 
 def air_to_face(played, side, t_s):

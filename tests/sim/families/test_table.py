@@ -163,7 +163,7 @@ def test_the_idle_hand_stays_in_sight():
         drawn = values("one_hand_idle", 200)
         side = ("right", "left").index(drawn["idle_hand"])
         for index in (10, 40, 65):
-            for view in simulation.shot(index).truth.views:
+            for view in simulation.render(index).truth.views:
                 assert view.visible_fractions[1 + side] > 0.6
 
 
@@ -257,6 +257,6 @@ def test_the_far_hand_is_in_the_picture():
     leant = next(cue for cue in cues("lean_and_reach", 200) if cue.name == "leant")
     middle = round(0.5 * (leant.from_s + leant.to_s) * 100)
     with Simulation(replace(played, fps=100.0, frames=10_000)) as simulation:
-        for view in simulation.shot(middle).truth.views:
+        for view in simulation.render(middle).truth.views:
             assert (view.amodal_px > 500).all()
             assert (view.visible_fractions > 0.7).all()

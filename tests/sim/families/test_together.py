@@ -108,7 +108,7 @@ def test_clasped_hands_are_one_blob_in_both_views_and_two_before_and_after():
         held = clasp["clasp"]
         frames = [0, round(held.from_s * 3), round(clasp["part"].to_s * 3) + 1]
         with Simulation(played) as simulation:
-            shots = [simulation.shot(index) for index in frames]
+            shots = [simulation.render(index) for index in frames]
         merged = [[view.merged[1, 2] for view in shot.truth.views] for shot in shots]
         assert merged == [[False, False], [True, True], [False, False]]
         for view in shots[1].truth.views:

@@ -98,12 +98,12 @@ def test_twins_show_the_same_pictures_until_the_hands_merge(seed):
     last = math.ceil(split_s * cross.fps) - 1
     with Simulation(cross) as one, Simulation(bounce) as other:
         for index in (last // 2, last - 1, last):
-            assert same_pictures(one.shot(index), other.shot(index))
-        assert not same_pictures(one.shot(last + 1), other.shot(last + 1))
+            assert same_pictures(one.render(index), other.render(index))
+        assert not same_pictures(one.render(last + 1), other.render(last + 1))
     # At the very moment at which they go separate ways both views show one blob.
     fine = perform(load_scenario("cross"), seed, {"fps": 30, "frames": 480})
     with Simulation(fine) as simulation:
-        assert merged(simulation.shot(math.ceil(split_s * 30))) == [True, True]
+        assert merged(simulation.render(math.ceil(split_s * 30))) == [True, True]
 
 
 def test_mirrored_hands_meet_5_to_10_times_and_cross_or_return_by_a_coin():
@@ -140,11 +140,11 @@ def test_up_to_a_merge_nobody_can_tell_whether_mirrored_hands_will_cross():
         np.testing.assert_array_equal(palms(crossing.script, [t]), palms(returning.script, [t]))
     with Simulation(crossing) as one, Simulation(returning) as other:
         before, after = math.floor(split_s * 30), math.ceil(split_s * 30)
-        assert same_pictures(one.shot(before), other.shot(before))
-        assert merged(one.shot(after)) == merged(other.shot(after)) == [True, True]
+        assert same_pictures(one.render(before), other.render(before))
+        assert merged(one.render(after)) == merged(other.render(after)) == [True, True]
         # From the other sides as well: the second meeting of hands that crossed.
         second = math.ceil(cues(crossing)["cross:2"].from_s * 30)
-        assert merged(one.shot(second)) == [True, True]
+        assert merged(one.render(second)) == [True, True]
 
 
 @pytest.mark.parametrize("outcome", ["crossed", "same"])
@@ -154,11 +154,11 @@ def test_a_screen_hides_both_hands_in_both_views_and_shows_them_before_and_after
     first, last = math.ceil(hidden.from_s * 3), math.floor(hidden.to_s * 3)
     with Simulation(played) as simulation:
         for index in (first, (first + last) // 2, last):
-            for view in simulation.shot(index).truth.views:
+            for view in simulation.render(index).truth.views:
                 assert (view.visible_fractions[1:] < 0.1).all()
                 assert view.visible_fractions[0] > 0.95  # the face is not cut
         for index in (0, math.ceil(out.from_s * 3)):
-            for view in simulation.shot(index).truth.views:
+            for view in simulation.render(index).truth.views:
                 assert (view.visible_fractions > 0.6).all()
 
 
@@ -174,7 +174,7 @@ def test_hands_are_out_of_sight_for_1_to_4_s():
             unseen = sum(
                 all(
                     (view.visible_fractions[1:] < 0.1).all()
-                    for view in simulation.shot(index).truth.views
+                    for view in simulation.render(index).truth.views
                 )
                 for index in edge
             )

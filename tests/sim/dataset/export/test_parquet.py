@@ -17,7 +17,7 @@ import pytest
 import sim.dataset
 from pjpdaf.camera import Camera
 from sim.dataset.export.parquet import export
-from sim.dataset.records import KEYPOINTS
+from sim.dataset.labels.records import KEYPOINTS
 from sim.scene.world import CAMERAS
 
 

@@ -13,8 +13,8 @@ import sim.dataset
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from sim.dataset.export.webdataset import export
-from sim.dataset.layout import LABELS
-from sim.dataset.reader import camera_of
+from sim.dataset.files.cameras import camera_of
+from sim.dataset.files.layout import LABELS
 from sim.scene.world import CAMERAS
 
 

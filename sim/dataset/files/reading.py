@@ -1,0 +1,74 @@
+"""Reads JSON and Parquet files of unknown origin: bounded in size, inside their folder."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from pjpdaf.errors import BenchError
+
+MAX_JSON_BYTES = 256 << 20
+MAX_ROWS = 10_000_000
+MAX_TABLE_BYTES = 8 << 30  # unpacked
+
+
+def check_inside(folder: Path, path: Path) -> None:
+    """Raise BenchError unless a path is a plain file in a folder, links followed."""
+    real = os.path.realpath(path)
+    if not Path(real).is_relative_to(os.path.realpath(folder)):
+        raise BenchError(
+            f"{path}: is a link that leads out of the data set; copy it with its links followed "
+            "(cp -rL)."
+        )
+    if not Path(real).exists():
+        raise BenchError(f"{path}: is missing.")
+    if not Path(real).is_file():
+        raise BenchError(f"{path}: is no file.")
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """A JSON object. Raises BenchError where it is none."""
+    try:
+        if path.stat().st_size > MAX_JSON_BYTES:
+            raise BenchError(f"{path}: is larger than {MAX_JSON_BYTES >> 20} MiB.")
+        record = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as fault:
+        raise BenchError(f"{path}: cannot be read: {fault.strerror}.") from fault
+    except (ValueError, RecursionError) as fault:
+        raise BenchError(f"{path}: is not JSON: {fault}.") from fault
+    if not isinstance(record, dict):
+        raise BenchError(f"{path}: is not a JSON object.")
+    return record
+
+
+def read_table(
+    path: Path, schema: pa.Schema, wanted: str = "", rows: int | None = None
+) -> pa.Table:
+    """The columns of a schema of a Parquet file, which may have more.
+
+    rows: how many it must have; wanted: the same in words. Raises BenchError where it has not.
+    """
+    try:
+        with pq.ParquetFile(path) as file:
+            there = file.metadata
+            groups = [there.row_group(i).total_byte_size for i in range(there.num_row_groups)]
+            if there.num_rows > MAX_ROWS or sum(groups) > MAX_TABLE_BYTES:
+                raise BenchError(
+                    f"{path}: has more than {MAX_ROWS} rows or {MAX_TABLE_BYTES >> 30} GiB."
+                )
+            missing = set(schema.names) - set(file.schema_arrow.names)
+            if missing:
+                raise BenchError(f"{path}: lacks the columns {', '.join(sorted(missing))}.")
+            if rows is not None and there.num_rows != rows:
+                raise BenchError(f"{path}: must have {wanted}, has {there.num_rows}.")
+            return file.read(columns=schema.names).select(schema.names).cast(schema)
+    except FileNotFoundError as fault:
+        raise BenchError(f"{path}: is missing.") from fault
+    except (OSError, KeyError, ValueError, pa.ArrowException) as fault:
+        said = str(fault).partition("\n")[0].rstrip(".")
+        raise BenchError(f"{path}: cannot be read as Parquet: {said}.") from fault
