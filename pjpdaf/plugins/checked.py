@@ -9,14 +9,11 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from pjpdaf.errors import PlugInFault
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import AnyTracker, Detections, Detector, Estimates
 from pjpdaf.plugins.conformance import fault_of_detections, fault_of_estimates, fault_of_step
 from pjpdaf.plugins.registry import described
-
-
-class PlugInFault(Exception):
-    """A plug-in raised, or gave what is not of the protocol. One line; ends its episode."""
 
 
 @dataclass(frozen=True)

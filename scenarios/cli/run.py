@@ -109,9 +109,9 @@ def report(
             raise BenchError("--rerun takes one run, and goes without --out.")
         from reports.page.rerun import write_rerun
         from reports.run.load import load
-        from scenarios.catalogue.film import told_of_signals
+        from scenarios.console.interrupts import unwritten_if_interrupted
 
-        with told_of_signals(rerun):
+        with unwritten_if_interrupted(rerun):
             typer.echo(f"recording: {write_rerun(load(runs[0]), rerun)}")
         return
     from scenarios.run.run import remake_report

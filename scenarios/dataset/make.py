@@ -7,7 +7,6 @@ import fcntl
 import json
 import os
 import shutil
-import signal
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
@@ -24,12 +23,13 @@ from pjpdaf.plugins.registry import described
 from reports.run.provenance import PACKAGES, provenance
 from reports.summary.tables import count
 from scenarios.console.folder import written_whole
+from scenarios.console.interrupts import Interrupted, interrupts
 from scenarios.dataset.finish import write_exports, write_text, write_top
 from scenarios.dataset.verify import cast_rays
 from scenarios.play.ladder import rungs_of
 from scenarios.play.play import digest_of
 from scenarios.play.recipe import FILES, Recipe, Settings, read_recipe, stored_name
-from scenarios.run.run import Interrupted, RunRequest, plan, worker_count
+from scenarios.run.run import RunRequest, plan, worker_count
 from scenarios.spec.draw import setting_of
 from scenarios.spec.names import scenario_names, suite_names
 from sim import gl
@@ -80,7 +80,7 @@ class _Task:
 
 
 def make(request: MakeRequest) -> None:
-    """Make, or go on making, a data set. Raises BenchError; exit code 130 after Ctrl-C."""
+    """Make, or go on making, a data set. Raises BenchError; Interrupted after a signal."""
     workers = worker_count(request.jobs)
     recipes = recipes_of(request)
     out = request.out.absolute()
@@ -88,10 +88,9 @@ def make(request: MakeRequest) -> None:
     entries = [entry_of(index, recipe) for index, recipe in enumerate(recipes)]
     words = words_of(request)
     console = Console(stderr=True)
-    signal.signal(signal.SIGTERM, _interrupt)
     with disk_faults(out, "the data set"):
         out.mkdir(parents=True, exist_ok=True)
-    with _alone(out):
+    with _alone(out), interrupts() as arrived, arrived.raising():
         _check_same(out, settings, entries)
         try:
             with Workers(workers, SEQUENCES_A_WORKER) as pool:
@@ -115,6 +114,8 @@ def make(request: MakeRequest) -> None:
                 with _Progress(console, tasks, frames) as progress:
                     written = _make_all(pool, tasks, progress.step)
             _sweep(out)  # of workers that were killed
+            wall_s = time.perf_counter() - started
+            finish(out, entries, settings, made_with, request.exports, words)
         except KeyboardInterrupt:
             _sweep(out)
             done = sum((out / entry.folder).is_dir() for entry in entries)
@@ -125,8 +126,6 @@ def make(request: MakeRequest) -> None:
         except BaseException:
             _sweep(out)
             raise
-        wall_s = time.perf_counter() - started
-        finish(out, entries, settings, made_with, request.exports, words)
     size = sum(one.bytes for one in written)
     said = f"{count(len(tasks), 'sequence')}, {count(frames, 'stereo frame')}"
     if tasks:
@@ -224,9 +223,7 @@ def _make_one(task: _Task) -> Written | BenchError:
                 part.rename(task.final)
         return written
     except BenchError as fault:
-        # Errors with fields of their own do not survive pickling; line and exit code suffice.
-        kind = InfrastructureError if fault.exit_code == 5 else BenchError
-        return kind(str(fault))
+        return fault
     except Unposable as fault:
         return BenchError(f"{task.final.name}: cannot be posed: {fault}; leave out this seed")
     except Exception as fault:
@@ -324,7 +321,7 @@ def export_again(folder: Path, exports: Sequence[str]) -> list[Path]:
     dataset = open_dataset(folder)
     if not dataset.manifest.get("complete"):
         raise BenchError(f"{folder}: is not finished; give the command that made it once more")
-    with _alone(folder):
+    with _alone(folder), interrupts() as arrived, arrived.raising():
         written = write_exports(dataset, exports)
         # The card and Croissant name what is there.
         command = dataset.manifest.get("command")
@@ -413,10 +410,6 @@ def _sweep(out: Path) -> None:
     for path in (*out.glob(f"{PART}*"), *out.glob(".*.part-*")):
         with suppress(FileNotFoundError), _held(path):
             shutil.rmtree(path, ignore_errors=True)
-
-
-def _interrupt(number: int, frame: object) -> None:
-    raise KeyboardInterrupt
 
 
 class _Progress:

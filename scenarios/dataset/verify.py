@@ -11,6 +11,7 @@ from rich.console import Console
 
 from pjpdaf.errors import BenchError, InfrastructureError
 from reports.summary.tables import count
+from scenarios.console.interrupts import interrupts
 from scenarios.console.progress import progress_bar
 from scenarios.play.recipe import performance_of
 from sim.dataset.check.fault import Fault
@@ -54,6 +55,11 @@ def verify_dataset(request: VerifyRequest) -> int:
     Raises BenchError where the folder is not a data set, InfrastructureError where a scene cannot
     be rebuilt on this machine.
     """
+    with interrupts() as arrived, arrived.raising():
+        return _verify_and_print(request)
+
+
+def _verify_and_print(request: VerifyRequest) -> int:
     if request.rays < 0 or request.jobs < 1:
         raise BenchError("--rays must be 0 or more, --jobs 1 or more.")
     done: list[str] = []

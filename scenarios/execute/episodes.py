@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from pjpdaf.errors import BenchError, InfrastructureError
-from pjpdaf.plugins.checked import PlugInFault
+from pjpdaf.errors import BenchError, PlugInFault
 from pjpdaf.plugins.registry import described
 from reports.run.films import films_to_keep
 from reports.run.rows import EpisodeRows, rows_of
@@ -37,9 +36,7 @@ def _play_safely(job: Job) -> EpisodeRows | BenchError:
     except Unposable as fault:
         return _failure(job, f"cannot be posed: {fault}")
     except BenchError as fault:
-        # Errors with fields of their own do not survive pickling; line and exit code suffice.
-        kind = InfrastructureError if fault.exit_code == 5 else BenchError
-        return kind(str(fault))
+        return fault
     except PlugInFault as fault:
         return _failure(job, str(fault))
     except (Exception, SystemExit, KeyboardInterrupt) as fault:

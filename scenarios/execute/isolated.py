@@ -45,7 +45,7 @@ def _answer(work: tuple[Callable[..., R], tuple[Any, ...]]) -> R | BenchError:
     try:
         return function(*arguments)
     except BenchError as fault:
-        return BenchError(str(fault))  # those with fields of their own do not survive pickling
+        return fault
 
 
 def try_plug_ins(detector: str, tracker: str, limit_s: float = BUILD_LIMIT_S) -> None:

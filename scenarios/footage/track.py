@@ -6,11 +6,9 @@ import dataclasses
 import functools
 import itertools
 import json
-import signal
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from types import FrameType, TracebackType
 from typing import Any
 
 from rich.console import Console
@@ -19,8 +17,9 @@ from pjpdaf.calibration import read_rig
 from pjpdaf.camera import StereoRig, undistort_picture
 from pjpdaf.detector.detector import SkinDetector, with_skin
 from pjpdaf.detector.skin import SkinRange, learn_skin_from_head, learn_skin_range
-from pjpdaf.errors import BenchError, InfrastructureError
-from pjpdaf.interfaces import AnyTracker, Detector, Estimates
+from pjpdaf.errors import BenchError
+from pjpdaf.follow import follow
+from pjpdaf.interfaces import AnyTracker, Detector
 from pjpdaf.plugins.registry import make_detector, make_tracker
 from pjpdaf.presets.parameters import PRESETS, find_preset, override, with_values
 from pjpdaf.sources import (
@@ -38,8 +37,9 @@ from reports.pictures.film import Film
 from reports.pictures.overlay import encode_jpeg, overlay_picture
 from reports.run.provenance import provenance
 from scenarios.console.folder import written_whole
+from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
 from scenarios.console.progress import progress_bar
-from scenarios.run.run import Interrupted, find_plug_ins_here, read_settings
+from scenarios.run.run import find_plug_ins_here, read_settings
 
 UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 HEAD = "head"  # as --skin-sample: learn from the head in the first frames
@@ -93,7 +93,8 @@ def track(request: TrackRequest) -> None:
     """Track, save, print.
 
     Raises BenchError, for a fault in mid-footage after all before it is saved; Interrupted after
-    Ctrl-C or SIGTERM, likewise.
+    a signal, likewise; KeyboardInterrupt, and nothing is saved, after a second one while frames
+    are still tracked.
     """
     console = Console(stderr=True)
 
@@ -102,11 +103,12 @@ def track(request: TrackRequest) -> None:
 
     with written_whole(request.out) as part:
         plan = plan_of(request, say)
-        with _Stop() as stop:
-            with console.status("learning the background"):
-                plan = _learnt(plan, say)
-            record, film = _follow(plan, part, console, say, stop)
-            facts = _facts(plan, film, complete=not stop.asked and stop.fault is None)
+        with interrupts() as arrived:
+            with arrived.raising(at=2):
+                with console.status("learning the background"):
+                    plan = _learnt(plan, say)
+                record, film, fault = _follow(plan, part, console, say, arrived)
+            facts = _facts(plan, film, complete=not arrived.arrived and fault is None)
             write_text(part / "report.html", track_page(record, facts))
             _write_json(part / "track.json", plan, record, facts)
     out = Console()
@@ -120,10 +122,9 @@ def track(request: TrackRequest) -> None:
     ):
         out.print(line, markup=False, highlight=False, soft_wrap=True)
     kept = f"the first {record.frames} frames are saved in {request.out}"
-    if stop.fault is not None:
-        kind = InfrastructureError if stop.fault.exit_code == 5 else BenchError
-        raise kind(f"{str(stop.fault).rstrip('.')}; {kept}")
-    if stop.asked:
+    if fault is not None:
+        raise fault.reworded(f"{str(fault).rstrip('.')}; {kept}")
+    if arrived.arrived:
         raise Interrupted(f"interrupted: {kept}")
 
 
@@ -227,7 +228,7 @@ def _skin(sample: Path | None) -> dict[str, Any]:
     try:
         skin = learn_skin_range(picture)
     except BenchError as fault:
-        raise BenchError(f"{sample}: {fault}") from None
+        raise fault.reworded(f"{sample}: {fault}") from None
     return skin_values(skin)
 
 
@@ -302,77 +303,35 @@ def _with_background(plan: Plan, say: Callable[[str], None]) -> Detector:
 
 
 def _follow(
-    plan: Plan, part: Path, console: Console, say: Callable[[str], None], stop: _Stop
-) -> tuple[TrackRecord, Path | None]:
-    """Detect and track all frames; the loop here owns the tracker's state."""
+    plan: Plan, part: Path, console: Console, say: Callable[[str], None], arrived: Interrupts
+) -> tuple[TrackRecord, Path | None, BenchError | None]:
+    """Detect and track all frames.
+
+    Returns the record, the film, and the fault of the input that ended the footage early, if any.
+    """
+    ended_by: BenchError | None = None
     request, cameras = plan.request, plan.rig.cameras
     record = TrackRecord(1 / plan.rate_hz)
     with progress_bar(console) as progress:
         task = progress.add_task("tracking", total=plan.total)
-        detector, tracker = plan.detector, plan.tracker
-        frames = stereo_frames(request.left, request.right, plan.rate_hz, plan.sizes_px, say)
-        state: Any = None
-        previous_s = 0.0
+        footage = stereo_frames(request.left, request.right, plan.rate_hz, plan.sizes_px, say)
+        frames = itertools.takewhile(lambda _: not arrived.arrived, footage)
         with TrackWriter(part, cameras) as tracks, Film(part, "overlay", plan.rate_hz) as film:
             try:
-                for frame in frames:
-                    if stop.asked:
-                        break
-                    dt_s = frame.time_s - previous_s
-                    previous_s = frame.time_s
-                    expected = tracker.predict(state, dt_s) if state is not None else None
-                    seen = detector(frame, expected)
-                    if state is None:
-                        state = tracker.start(seen)
-                        said = Estimates.waiting() if state is None else tracker.estimates(state)
-                    else:
-                        state, said = tracker.step(state, seen, dt_s)
-                    sheet = overlay_picture(frame, cameras, seen, said)
-                    tracks.add(frame.index, frame.time_s, said)
+                for step in follow(frames, plan.detector, plan.tracker):
+                    frame, detections, estimates = step.frame, step.detections, step.estimates
+                    sheet = overlay_picture(frame, cameras, detections, estimates)
+                    tracks.add(frame.index, frame.time_s, estimates)
                     film.add(sheet)
-                    record.add(frame, seen, said, functools.partial(encode_jpeg, sheet))
+                    record.add(frame, detections, estimates, functools.partial(encode_jpeg, sheet))
                     progress.update(task, advance=1)
             except BenchError as fault:
                 if record.frames == 0:
                     raise
-                stop.fault = fault  # what was tracked before it is kept
+                ended_by = fault  # what was tracked before it is kept
     if record.frames == 0:
         raise Interrupted("interrupted before any frame was tracked; nothing saved")
-    return record, film.path
-
-
-class _Stop:
-    """Why the frame loop ended early.
-
-    Ctrl-C, or SIGTERM, asks it to end after its frame, a second one ends at once; fault: an input
-    that cannot be used.
-    """
-
-    def __init__(self) -> None:
-        self.asked = False
-        self.fault: BenchError | None = None
-        self._before: Any = None
-
-    def __enter__(self) -> _Stop:
-        self._before = signal.getsignal(signal.SIGINT)
-        if self._before is not signal.SIG_IGN:  # a shell's background job stays deaf
-            signal.signal(signal.SIGINT, self._ask)
-        signal.signal(signal.SIGTERM, self._ask)
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        fault: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        signal.signal(signal.SIGINT, self._before)
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
-
-    def _ask(self, number: int, frame: FrameType | None) -> None:
-        if self.asked:
-            raise KeyboardInterrupt
-        self.asked = True
+    return record, film.path, ended_by
 
 
 def _facts(plan: Plan, film: Path | None, complete: bool) -> TrackFacts:

@@ -1,19 +1,20 @@
-"""One scenario, one seed: simulate -> detect -> track. The loop here owns the tracker's state."""
+"""One scenario, one seed: simulate -> detect -> track."""
 
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
-import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
 from pjpdaf.camera import StereoRig
+from pjpdaf.follow import follow
 from pjpdaf.frames import StereoFrame
-from pjpdaf.interfaces import Detector, Estimates, Tracker
-from pjpdaf.plugins.checked import CheckedDetector, CheckedTracker, PlugInFault
+from pjpdaf.interfaces import Detector, Tracker
+from pjpdaf.plugins.checked import CheckedDetector, CheckedTracker
 from pjpdaf.plugins.registry import make_detector, make_tracker
 from pjpdaf.presets.parameters import PRESETS
 from pjpdaf.tracker.filter import PJPDAF
@@ -23,8 +24,8 @@ from reports.score.records import Episode, FrameOutcome, Picture, Still
 from scenarios.play.blame import blame
 from scenarios.play.error_budget import error_budget
 from scenarios.spec.draw import concrete, perform
-from scenarios.spec.parameters import File
-from scenarios.spec.scenario import Scenario, contents, digest
+from scenarios.spec.parameters.file import File, contents
+from scenarios.spec.scenario import Scenario, digest
 from sim.dataset.stored_sequence import StoredSequence
 from sim.motion.stage import Value
 from sim.sequence import Simulation
@@ -164,41 +165,18 @@ def play_footage(job: Job, footage: Footage) -> Episode:
     film: list[Still] = []
     detector, tracker = parts_of(job.system, footage.calibration)
     detector = detector.learn(footage.background())
-    state: Any = None
-    previous_s: float | None = None
-    frames = footage.frames()
-    while True:
-        started = time.perf_counter()
-        pair = next(frames, None)
-        if pair is None:
-            break
-        frame, truth = pair
-        rendered = time.perf_counter()
-        dt_s = 0.0 if previous_s is None else frame.time_s - previous_s
-        try:
-            expected = tracker.predict(state, dt_s) if state is not None else None
-            predicted = time.perf_counter()
-            seen = detector(frame, expected)
-            detected = time.perf_counter()
-            if state is None:
-                state = tracker.start(seen)
-                estimates = Estimates.waiting() if state is None else tracker.estimates(state)
-            else:
-                state, estimates = tracker.step(state, seen, dt_s)
-        except PlugInFault as fault:
-            raise PlugInFault(f"frame {frame.index}: {fault}") from fault
-        tracked = time.perf_counter()
-        previous_s = frame.time_s
-        stages_s = {
-            "render": rendered - started,
-            "detect": detected - predicted,
-            "track": tracked - detected + predicted - rendered,
-        }
-        slim = tuple(replace(d, mask=None) for d in seen)
-        outcomes.append(FrameOutcome(truth, estimates, slim, stages_s))
+    # Frames and truths apart: neither detector nor tracker is near the truth.
+    for_loop, for_scores = itertools.tee(footage.frames())
+    steps = follow((frame for frame, _ in for_loop), detector, tracker)
+    for step, (frame, truth) in zip(steps, for_scores, strict=False):
+        stages_s = {"render": step.render_s, "detect": step.detect_s, "track": step.track_s}
+        slim = tuple(replace(view, mask=None) for view in step.detections)
+        outcomes.append(FrameOutcome(truth, step.estimates, slim, stages_s))
         wanted = gallery is not None and gallery.wants(truth)
         if wanted:
-            picture = overlay_jpeg(frame, footage.rig.cameras, seen, estimates, truth)
+            picture = overlay_jpeg(
+                frame, footage.rig.cameras, step.detections, step.estimates, truth
+            )
             pictures.append(Picture(frame.index, picture))
         if wanted or job.keep_film:
             film.append(Still(frame.index, still(frame, footage.rig.cameras)))

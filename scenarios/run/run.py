@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
 import time
 from collections.abc import Sequence
@@ -22,6 +21,7 @@ from reports.run.load import SavedRun, load
 from reports.run.rows import EpisodeRows
 from reports.run.save import RunInfo, check_free, save, save_slim
 from reports.summary.tables import count, rich_table, summarise
+from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
 from scenarios.console.progress import progress_bar
 from scenarios.execute.episodes import EPISODE_TIME_LIMIT_S, Played, play_all
 from scenarios.execute.isolated import try_plug_ins
@@ -32,8 +32,9 @@ from scenarios.play.targets import Part, parts_of
 from scenarios.spec.cameras import rig_of
 from scenarios.spec.draw import SETTINGS, concrete, in_si, perform, setting_of
 from scenarios.spec.names import resolve
-from scenarios.spec.parameters import File, nearest
-from scenarios.spec.scenario import Suite
+from scenarios.spec.parameters.file import File
+from scenarios.spec.suggestion import did_you_mean
+from scenarios.spec.suite import Suite
 from sim.contact.contact import Unposable
 from sim.scene.rig import stereo_rig
 
@@ -150,7 +151,7 @@ def plan(request: RunRequest) -> list[Job]:
     known = {key for part in parts for key in part.takes}
     for key in settings.scenario:
         if key not in known:
-            hint = nearest(key, known)
+            hint = did_you_mean(key, known)
             raise BenchError(f"--set {key}: no such parameter in these scenarios{hint}")
     jobs = []
     for part in parts:
@@ -192,7 +193,7 @@ def _chosen(parts: list[Part], only: Sequence[str]) -> list[Part]:
     labels = [part.label for part in parts]
     for name in only:
         if name not in labels:
-            hint = nearest(name, labels) or ";"
+            hint = did_you_mean(name, labels) or ";"
             raise BenchError(f"--only {name}: not played{hint} there are: {', '.join(labels)}")
     return [part for part in parts if part.label in only or not only]
 
@@ -281,7 +282,7 @@ def entry_of(job: Job) -> dict[str, object]:
     return {
         "scenario": scenario.name,
         "version": scenario.version,
-        "family": scenario.family,
+        "family": scenario.stream,
         "overrides": {
             k: v if isinstance(v, int | float) else str(v) for k, v in job.overrides.items()
         },
@@ -308,11 +309,18 @@ def run_suite(request: RunRequest) -> None:
     names = request.targets if request.dataset is None else (request.dataset.absolute().name,)
     folder = request.out or default_folder(names)
     check_free(folder)
-    # A cancelled CI job gets SIGTERM: what is finished is kept then, too.
-    signal.signal(signal.SIGTERM, _interrupt)
+    with interrupts() as arrived:
+        _play_and_save(request, jobs, workers, folder, arrived)
+
+
+def _play_and_save(
+    request: RunRequest, jobs: Sequence[Job], workers: int, folder: Path, arrived: Interrupts
+) -> None:
     console = Console(stderr=True)
     started = time.perf_counter()
-    played = _play_with_progress(jobs, workers, console, request.time_limit_s)
+    with arrived.raising():
+        played = _play_with_progress(jobs, workers, console, request.time_limit_s)
+    # From here on signals are only counted: saving goes on to its end.
     if request.dataset is not None:
         played = replace(played, renderer=renderer_of(open_with_sequences(request.dataset)))
     if not played.rows:
@@ -332,16 +340,12 @@ def run_suite(request: RunRequest) -> None:
     else:
         page = write_page([saved], folder / "report.html")
         out.print(f"report: {page}", highlight=False, soft_wrap=True)
-    _end(played, jobs)
+    _end(played, jobs, interrupted=arrived.arrived)
 
 
-def _interrupt(number: int, frame: object) -> None:
-    raise KeyboardInterrupt
-
-
-def _end(played: Played, jobs: Sequence[Job]) -> None:
+def _end(played: Played, jobs: Sequence[Job], interrupted: bool) -> None:
     failed = [row for row in played.rows if row.failure]
-    if played.interrupted:
+    if interrupted:
         raise Interrupted(
             f"interrupted: {len(played.rows)} of {len(jobs)} episodes are in the saved run"
         )
@@ -351,12 +355,6 @@ def _end(played: Played, jobs: Sequence[Job]) -> None:
             f"{len(failed)} of {len(jobs)} episodes gave no result, the first: "
             f"{first.scenario} seed {first.seed}: {first.failure}"
         )
-
-
-class Interrupted(BenchError):
-    """Ctrl-C; what was finished is saved."""
-
-    exit_code = 130
 
 
 def _play_with_progress(
