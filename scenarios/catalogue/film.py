@@ -15,7 +15,7 @@ from pjpdaf.errors import BenchError, InfrastructureError
 from reports.pictures.contact_sheet import contact_sheet
 from reports.pictures.film import Film, film_suffix
 from reports.pictures.overlay import Image
-from reports.pictures.truth_overlay import MERGE, truth_picture
+from reports.pictures.truth_overlay import truth_picture
 from scenarios.console.interrupts import unwritten_if_interrupted
 from scenarios.console.progress import progress_bar
 from scenarios.play.settings import read_settings
@@ -124,11 +124,6 @@ def difficulty(truth: Truth) -> int:
     return merged + sum(int((view.visible_fractions < HIDDEN_SHARE).sum()) for view in truth.views)
 
 
-def happening(truth: Truth) -> tuple[str, ...]:
-    """What the script does in a frame, without the merges."""
-    return tuple(name for name in truth.events if not name.startswith(MERGE))
-
-
 def spread(seen: Sequence[Truth], most: int) -> list[int]:
     """Positions of at most `most` frames that tell the story, in order.
 
@@ -151,7 +146,9 @@ def spread(seen: Sequence[Truth], most: int) -> list[int]:
 
 
 def _situation(truth: Truth) -> tuple[object, ...]:
-    return happening(truth), *(view.merged.tobytes() for view in truth.views if view.merged.any())
+    return truth.script_events, *(
+        view.merged.tobytes() for view in truth.views if view.merged.any()
+    )
 
 
 def _performance(request: ShowRequest) -> Performance:

@@ -21,7 +21,7 @@ from reports.pictures.contact_sheet import (
 )
 from reports.pictures.overlay import LETTERS, Image
 from reports.pictures.truth_overlay import merged_words, thumbnail
-from scenarios.catalogue.film import difficulty, happening, labels_of, truths
+from scenarios.catalogue.film import difficulty, labels_of, truths
 from scenarios.console.interrupts import interrupts, unwritten_if_interrupted
 from scenarios.console.progress import progress_bar
 from scenarios.spec.draw import perform
@@ -178,7 +178,7 @@ def telling(seen: Sequence[Truth]) -> Truth:
     if most:
         stretches = _stretches(seen, lambda truth: difficulty(truth) == most)
     else:
-        stretches = _stretches(seen[STILL_FRAMES:], happening)
+        stretches = _stretches(seen[STILL_FRAMES:], lambda truth: truth.script_events)
     longest = max(stretches, key=len, default=list(seen))
     return longest[len(longest) // 2]
 
@@ -190,7 +190,7 @@ def _stretches(seen: Sequence[Truth], key: Callable[[Truth], object]) -> list[li
 
 def caption(truth: Truth) -> str:
     """Frame and time, what happens, what is merged and what does not show."""
-    said = [f"frame {truth.index} ({truth.time_s:.1f} s)", *happening(truth)]
+    said = [f"frame {truth.index} ({truth.time_s:.1f} s)", *truth.script_events]
     for verb, words in (("merged", merged_words), ("unseen", _unseen_words)):
         left, right = map(words, truth.views)
         if left == right:

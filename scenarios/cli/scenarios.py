@@ -127,6 +127,6 @@ def schema() -> None:
     """The JSON schema of a scenario file, for editors."""
     import json
 
-    from scenarios.spec.loader import json_schema
+    from scenarios.spec.schema import json_schema
 
     typer.echo(json.dumps(json_schema(), indent=2))

@@ -52,8 +52,8 @@ class Cast:
 def verify_dataset(request: VerifyRequest) -> int:
     """Print every fault, what rays say, and a last line; 0 where there is no fault, else 1.
 
-    Raises BenchError where the folder is no data set, InfrastructureError where a scene cannot be
-    rebuilt on this machine.
+    Raises BenchError where the folder is not a data set, InfrastructureError where a scene cannot
+    be rebuilt on this machine.
     """
     with interrupts() as arrived, arrived.raising():
         return _verify_and_print(request)

@@ -15,7 +15,8 @@ from scenarios.play.settings import Settings, read_settings
 from scenarios.play.targets import PlannedScenario, expand_target
 from scenarios.spec.cameras import rig_of
 from scenarios.spec.draw import SETTINGS, concrete, in_si, perform, setting_of
-from scenarios.spec.parameters import File, nearest
+from scenarios.spec.parameters.file import File
+from scenarios.spec.suggestion import did_you_mean
 from sim.contact.contact import Unposable
 from sim.scene.rig import stereo_rig
 
@@ -74,7 +75,7 @@ def plan(request: PlanRequest) -> list[Job]:
     known = {key for planned in scenarios for key in planned.changeable}
     for key in settings.scenario:
         if key not in known:
-            hint = nearest(key, known)
+            hint = did_you_mean(key, known)
             raise BenchError(f"--set {key}: no such parameter in these scenarios{hint}")
     jobs = [job for planned in scenarios for job in _jobs_of(planned, request, settings, system)]
     for job in {job.name: job for job in jobs}.values():
@@ -129,7 +130,7 @@ def _selected(scenarios: list[PlannedScenario], only: Sequence[str]) -> list[Pla
     labels = [planned.label for planned in scenarios]
     for label in only:
         if label not in labels:
-            hint = nearest(label, labels) or ";"
+            hint = did_you_mean(label, labels) or ";"
             raise BenchError(f"--only {label}: not played{hint} there are: {', '.join(labels)}")
     return [planned for planned in scenarios if planned.label in only or not only]
 

@@ -24,8 +24,8 @@ from reports.score.records import Episode, FrameOutcome, Picture, Still
 from scenarios.play.blame import blame
 from scenarios.play.error_budget import error_budget
 from scenarios.spec.draw import concrete, perform
-from scenarios.spec.parameters import File
-from scenarios.spec.scenario import Scenario, contents, digest
+from scenarios.spec.parameters.file import File, contents
+from scenarios.spec.scenario import Scenario, digest
 from sim.dataset.stored_sequence import StoredSequence
 from sim.motion.stage import Value
 from sim.sequence import Simulation

@@ -20,7 +20,7 @@ from reports.run.schema import METRICS_VERSION
 from scenarios.play.play import digest_of
 from scenarios.play.targets import PlannedScenario, expand_suite
 from scenarios.spec.names import load_suite, suite_names
-from scenarios.spec.scenario import Suite
+from scenarios.spec.suite import Suite
 
 COMMAND = "python -m scenarios.play.suite_lock"
 FILE = "scenarios/suites/lock.json"

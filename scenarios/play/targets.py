@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 from scenarios.play.play import Job, System
 from scenarios.spec.draw import SETTINGS
 from scenarios.spec.names import resolve, scenarios_of
-from scenarios.spec.scenario import Scenario, Suite
+from scenarios.spec.scenario import Scenario
+from scenarios.spec.suite import Suite
 from sim.motion.stage import Value
 
 SCENARIO_SEEDS = 10  # of a scenario that is named alone

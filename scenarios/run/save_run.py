@@ -16,7 +16,7 @@ from scenarios.play.play import Job
 from scenarios.play.settings import read_settings
 from scenarios.play.suite_lock import stamp
 from scenarios.spec.names import resolve
-from scenarios.spec.scenario import Suite
+from scenarios.spec.suite import Suite
 
 
 def save_run(

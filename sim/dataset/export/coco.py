@@ -19,11 +19,11 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import BenchError, FileError
 from pjpdaf.targets import TARGETS
 from sim.dataset.export.folder import files_of, replaced_folder, sequences_of
 from sim.dataset.files.layout import RIG, SCHEMA_VERSION, picture_name
-from sim.dataset.frame_rows import FrameRow, FrameRows, frames_of, object_kinds
+from sim.dataset.frame_rows import FrameRow, FrameRows, object_kinds, read_frame_rows
 from sim.dataset.labels.records import HAND_POINTS, HEAD_POINTS, KEYPOINTS, NOT_LABELLED
 from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
@@ -68,12 +68,12 @@ def export(
     """
     rle = _run_lengths()
     if "seg" not in dataset.labels:
-        raise BenchError(f"{dataset.folder}: has no label seg, of which COCO's masks are made.")
+        raise FileError(dataset.folder, "has no label seg, of which COCO's masks are made")
     folder = into / FOLDER
     with replaced_folder(folder, "COCO's files") as part, ExitStack() as stack:
         files = [stack.enter_context(_File(part / _name(camera), camera)) for camera in CAMERAS]
         for sequence in sequences_of(dataset):
-            frames = frames_of(sequence)
+            frames = read_frame_rows(sequence)
             for view, file in enumerate(files):
                 _View(sequence, view, "amodal" in dataset.labels, rle).write(frames, file)
             on_sequence(sequence.name)
@@ -297,8 +297,8 @@ class _View:
         name = row["object"]
         kind = self._kinds.get(name)
         if kind not in OBJECT_KINDS:
-            raise BenchError(
-                f"{self._sequence.folder / RIG}: objects: {name!r} is of the unknown kind {kind!r}."
+            raise FileError(
+                self._sequence.folder / RIG, f"objects: {name!r} is of the unknown kind {kind!r}"
             )
         return {
             "category_id": FIRST_OBJECT_CATEGORY + OBJECT_KINDS.index(kind),
@@ -310,7 +310,7 @@ class _View:
     def _number(self, name: str) -> int:
         number = self._ids.get(name)
         if number is None:
-            raise BenchError(f"{self._sequence.folder / RIG}: instances: has no object {name!r}.")
+            raise FileError(self._sequence.folder / RIG, f"instances: has no object {name!r}")
         return number
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import FileError
 from sim.dataset.files.layout import PART
 from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
@@ -66,13 +66,13 @@ def file_bytes(path: Path) -> bytes:
     not get other files of this machine into an export.
     """
     if path.is_symlink() or path.parent.is_symlink():
-        raise BenchError(f"{path}: is a link; a data set holds plain files.")
+        raise FileError(path, "is a link; a data set holds plain files")
     try:
         data = path.read_bytes()
     except OSError as fault:
-        raise BenchError(f"{path}: cannot be read: {fault.strerror}.") from fault
+        raise FileError(path, f"cannot be read: {fault.strerror}") from fault
     if not data.startswith(_BEGINNINGS[path.suffix]):
-        raise BenchError(f"{path}: is not a {path.suffix[1:].upper()} file, or a damaged one.")
+        raise FileError(path, f"is not a {path.suffix[1:].upper()} file, or a damaged one")
     return data
 
 

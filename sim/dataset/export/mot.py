@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from sim.dataset.export.folder import files_of, replaced_folder, sequences_of
-from sim.dataset.frame_rows import FrameRows, box_of, frames_of
+from sim.dataset.frame_rows import FrameRows, box_of, read_frame_rows
 from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
@@ -26,7 +26,7 @@ def export(
     with replaced_folder(folder, "MOTChallenge's files") as part:
         names = []
         for sequence in sequences_of(dataset):
-            frames = frames_of(sequence)
+            frames = read_frame_rows(sequence)
             for view, camera in enumerate(CAMERAS):
                 name = f"{sequence.name}-{camera}"
                 names.append(name)

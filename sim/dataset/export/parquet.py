@@ -16,11 +16,11 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from pjpdaf.camera import Camera
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import FileError
 from pjpdaf.targets import TARGETS
 from sim.dataset.export.folder import file_bytes, files_of, replaced_folder, sequences_of
 from sim.dataset.files.layout import MANIFEST, picture_name
-from sim.dataset.frame_rows import FrameRow, FrameRows, box_of, frames_of
+from sim.dataset.frame_rows import FrameRow, FrameRows, box_of, read_frame_rows
 from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
@@ -112,7 +112,7 @@ def export(
         with _Files(part, most_bytes) as files:
             for sequence in sequences_of(dataset):
                 common = _common(dataset, sequence)
-                for frame in frames_of(sequence):
+                for frame in read_frame_rows(sequence):
                     files.add({**common, **_pictures(sequence, frame), **_said(frame)})
                 on_sequence(sequence.name)
         files.name()
@@ -126,7 +126,7 @@ def _common(dataset: Dataset, sequence: StoredSequence) -> dict[str, Any]:
         row[key] = entry.get(key)
         if not isinstance(row[key], kind):
             path = dataset.folder / MANIFEST
-            raise BenchError(f"{path}: sequences: {sequence.name}: {key} must be {kind.__name__}.")
+            raise FileError(path, f"sequences: {sequence.name}: {key} must be {kind.__name__}")
     for kind_, rig in (("camera", sequence.rig), ("calibration", sequence.calibration)):
         for name, camera in zip(CAMERAS, rig.cameras, strict=True):
             row |= {f"{kind_}_{part}_{name}": value for part, value in _numbers(camera).items()}

@@ -16,7 +16,7 @@ from typing import Any
 from sim.dataset.export.folder import file_bytes, files_of, replaced_folder, sequences_of
 from sim.dataset.files.cameras import camera_record
 from sim.dataset.files.layout import LABELS, picture_name
-from sim.dataset.frame_rows import FrameRow, FrameRows, frames_of
+from sim.dataset.frame_rows import FrameRow, FrameRows, read_frame_rows
 from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
@@ -46,7 +46,7 @@ def export(
     ):
         for sequence in sequences_of(dataset):
             common = _common(sequence)
-            for frame in frames_of(sequence):
+            for frame in read_frame_rows(sequence):
                 shards.add(
                     f"{sequence.name}_{picture_name(frame.index, '')}",
                     _sample(dataset, sequence, frame, common),

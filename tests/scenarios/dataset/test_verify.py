@@ -85,7 +85,7 @@ def test_a_recipe_that_cannot_be_made_is_said(copy):
 
 
 def test_no_data_set_and_wrong_numbers_are_refused(tmp_path, made):
-    with pytest.raises(BenchError, match="is no data set"):
+    with pytest.raises(BenchError, match="is not a data set"):
         verify_dataset(VerifyRequest(tmp_path))
     with pytest.raises(BenchError, match="--rays must be 0 or more"):
         verify_dataset(VerifyRequest(made, rays=-1))
