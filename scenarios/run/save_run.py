@@ -91,7 +91,7 @@ def scenario_record(job: Job) -> dict[str, object]:
     return {
         "scenario": scenario.name,
         "version": scenario.version,
-        "family": scenario.family,
+        "family": scenario.stream,
         "overrides": {
             k: v if isinstance(v, int | float) else str(v) for k, v in job.overrides.items()
         },
