@@ -29,7 +29,7 @@ from scenarios.spec.names import load_scenario, load_suite, scenario_names, suit
 from scenarios.spec.scenario import Scenario
 from sim.contact.contact import Unposable
 from sim.files import disk_faults, written_whole_file
-from sim.processes import Answer, Lost, Workers
+from sim.processes import Answer, Lost, WorkerPool
 from sim.script import Performance
 from sim.sequence import Simulation
 from sim.truth import Truth, ViewTruth
@@ -116,7 +116,7 @@ def draw_all(scenarios: Sequence[Scenario], workers: int) -> list[Picture]:
     """A picture of each, drawn by worker processes. Raises BenchError for the first that fails."""
     console = Console(stderr=True)
     pictures: dict[int, Picture] = {}
-    with progress_bar(console) as progress, Workers(min(workers, len(scenarios))) as pool:
+    with progress_bar(console) as progress, WorkerPool(min(workers, len(scenarios))) as pool:
         task = progress.add_task("starting", total=len(scenarios))
         pool.renderer()
         for found in pool.outcomes(_draw_safely, dict(enumerate(scenarios)), TIME_LIMIT_S):

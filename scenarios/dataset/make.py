@@ -47,7 +47,7 @@ from sim.dataset.files.reading import read_json
 from sim.dataset.reader import open_dataset
 from sim.dataset.writer import Written, write_frame, write_sequence
 from sim.files import disk_faults
-from sim.processes import WORKER_ENVIRONMENT, Answer, Lost, Workers
+from sim.processes import WORKER_ENVIRONMENT, Answer, Lost, WorkerPool
 from sim.sequence import Simulation
 
 TIME_LIMIT_S = 24 * 3600.0  # of one sequence; nothing of a user's is called in it
@@ -94,7 +94,7 @@ def make(request: MakeRequest) -> None:
     with _alone(out), interrupts() as arrived, arrived.raising():
         _check_same(out, settings, entries)
         try:
-            with Workers(workers, SEQUENCES_A_WORKER) as pool:
+            with WorkerPool(workers, SEQUENCES_A_WORKER) as pool:
                 made_with = {"renderer": pool.renderer(), "versions": versions()}
                 _check_renderer(out, made_with)
                 _sweep(out)
@@ -255,7 +255,7 @@ def write_recipe(recipe: Recipe, folder: Path) -> Written:
 
 
 def _make_all(
-    pool: Workers, tasks: Mapping[int, _Task], on_poll: Callable[[int, int], None]
+    pool: WorkerPool, tasks: Mapping[int, _Task], on_poll: Callable[[int, int], None]
 ) -> list[Written]:
     """Make them. Raises BenchError of the first that fails; the others are ended then."""
     written: list[Written] = []
