@@ -71,7 +71,7 @@ def test_labels_that_agree_with_each_other_but_not_with_the_recipe_are_found(cop
             shutil.copy(folder / "000001.png", folder / "000005.png")
     cast = cast_rays(copy, 5)
     assert [fault.file for fault in cast.faults] == [SEQ]
-    assert "is not what its recipe makes" in cast.faults[0].what
+    assert "is not what its recipe makes" in cast.faults[0].text
 
 
 def test_a_recipe_that_cannot_be_made_is_said(copy):
