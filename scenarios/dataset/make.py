@@ -26,10 +26,11 @@ from scenarios.console.folder import written_whole
 from scenarios.console.interrupts import Interrupted, interrupts
 from scenarios.dataset.finish import write_exports, write_text, write_top
 from scenarios.dataset.verify import cast_rays
+from scenarios.execute.local import worker_count
 from scenarios.play.ladder import rungs_of
+from scenarios.play.plan import PlanRequest, plan
 from scenarios.play.play import digest_of
 from scenarios.play.recipe import FILES, Recipe, Settings, read_recipe, stored_name
-from scenarios.run.run import RunRequest, plan, worker_count
 from scenarios.spec.draw import setting_of
 from scenarios.spec.names import scenario_names, suite_names
 from sim import gl
@@ -141,20 +142,11 @@ def recipes_of(request: MakeRequest) -> list[Recipe]:
         part = pair.partition("=")[0].partition(".")[0]
         if part in ("tracker", "detector"):
             raise BenchError(f"--set {pair}: a data set has no {part}; it is for `run`")
-    run = RunRequest(
-        targets=request.targets,
-        seeds=request.seeds,
-        preset="thesis",
-        detector="thesis",
-        tracker="thesis",
-        settings=request.settings,
-        jobs=None,
-        out=None,
-        argv=(),
-        first_seed=request.first_seed,
+    wanted = PlanRequest(
+        request.targets, request.seeds, request.first_seed, settings=request.settings
     )
     recipes = []
-    for job in plan(run):
+    for job in plan(wanted):
         if not request.ladder:
             recipes.append(Recipe(job, request.labels))
             continue
