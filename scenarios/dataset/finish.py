@@ -10,7 +10,8 @@ from pathlib import Path
 from reports.dataset.card import write_card
 from sim.dataset.croissant import CROISSANT, croissant_record
 from sim.dataset.export.registry import EXPORTS
-from sim.dataset.files.layout import CALIBRATION, CONVENTIONS, conventions
+from sim.dataset.files.conventions import conventions
+from sim.dataset.files.layout import CALIBRATION, CONVENTIONS
 from sim.dataset.raytruth import RayFigures
 from sim.dataset.reader import Dataset
 from sim.dataset.statistics import statistics_of
