@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -16,7 +16,9 @@ from rich.console import Console
 
 from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.plugins.registry import make_detector, make_tracker
-from pjpdaf.presets.parameters import PRESETS, find_preset, override
+from pjpdaf.presets.flat import flat_values
+from pjpdaf.presets.override import override
+from pjpdaf.presets.registry import PRESETS, find_preset
 from reports.page.page import write_page
 from reports.run.load import SavedRun, load
 from reports.run.rows import EpisodeRows
@@ -219,10 +221,10 @@ def parameters_of(request: RunRequest) -> dict[str, object]:
     parameters: dict[str, object] = {}
     if request.detector in PRESETS:
         changed = override(find_preset(request.detector), settings.detector)
-        parameters["detector"] = asdict(changed.detector)
+        parameters["detector"] = flat_values(changed.detector)
     if request.tracker in PRESETS:
         changed = override(find_preset(request.tracker), settings.tracker)
-        parameters["tracker"] = asdict(changed.tracker)
+        parameters["tracker"] = flat_values(changed.tracker)
     return parameters
 
 

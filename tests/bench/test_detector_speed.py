@@ -14,7 +14,7 @@ import pytest
 from pjpdaf.camera import Camera
 from pjpdaf.detector.detector import SkinDetector
 from pjpdaf.frames import StereoFrame
-from pjpdaf.presets.parameters import PRESETS
+from pjpdaf.presets.registry import PRESETS
 
 WIDTH, HEIGHT = 640, 480
 K = np.array([[540.0, 0, 319.5], [0, 540.0, 239.5], [0, 0, 1]])
