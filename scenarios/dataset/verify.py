@@ -34,8 +34,8 @@ class VerifyRequest:
 def verify_dataset(request: VerifyRequest) -> int:
     """Print every fault, the comparison with rays, and the verdict; returns the exit code 0 or 1.
 
-    Raises BenchError where the folder is not a data set, InfrastructureError where a scene cannot be
-    rebuilt on this machine.
+    Raises BenchError where the folder is not a data set, InfrastructureError where this machine
+    cannot rebuild a scene.
     """
     with interrupts() as arrived, arrived.raising():
         return _verify_and_print(request)
