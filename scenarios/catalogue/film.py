@@ -18,7 +18,7 @@ from reports.pictures.overlay import Image
 from reports.pictures.truth_overlay import truth_picture
 from scenarios.console.interrupts import unwritten_if_interrupted
 from scenarios.console.progress import progress_bar
-from scenarios.run.run import read_settings
+from scenarios.play.settings import read_settings
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
 from sim.camera.render import StereoRenderer

@@ -143,7 +143,7 @@ def verify(
     other and against the 3-D truth; depth and ids against rays.
     """
     from scenarios.dataset.verify import VerifyRequest, verify_dataset
-    from scenarios.run.run import worker_count
+    from scenarios.execute.local import worker_count
 
     raise typer.Exit(verify_dataset(VerifyRequest(folder, sums, rays, worker_count(jobs))))
 

@@ -25,7 +25,7 @@ from scenarios.dataset.sequence_plan import (
     sequence_entry,
 )
 from scenarios.dataset.sequence_task import SequenceTask, library_versions, make_sequences
-from scenarios.run.run import worker_count
+from scenarios.execute.local import worker_count
 from sim.dataset.files.layout import (
     MANIFEST,
     PART,

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from pjpdaf.errors import BenchError
 from scenarios.play.ladder import rungs_of
+from scenarios.play.plan import PlanRequest, plan
 from scenarios.play.play import digest_of
 from scenarios.play.recipe import Recipe, Settings
-from scenarios.run.run import RunRequest, plan
 from scenarios.spec.draw import setting_of
 from scenarios.spec.names import scenario_names, suite_names
 from sim.dataset.files.layout import (
@@ -39,20 +39,11 @@ def plan_recipes(request: MakeRequest) -> list[Recipe]:
         role = pair.partition("=")[0].partition(".")[0]
         if role in ("tracker", "detector"):
             raise BenchError(f"--set {pair}: a data set has no {role}; it is for `run`")
-    run = RunRequest(
-        targets=request.targets,
-        seeds=request.seeds,
-        preset="thesis",
-        detector="thesis",
-        tracker="thesis",
-        settings=request.settings,
-        jobs=None,
-        out=None,
-        argv=(),
-        first_seed=request.first_seed,
+    episodes = PlanRequest(
+        request.targets, request.seeds, request.first_seed, settings=request.settings
     )
     recipes = []
-    for job in plan(run):
+    for job in plan(episodes):
         if not request.ladder:
             recipes.append(Recipe(job, request.labels))
             continue

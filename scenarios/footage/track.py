@@ -39,7 +39,8 @@ from reports.run.provenance import provenance
 from scenarios.console.folder import written_whole
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
 from scenarios.console.progress import progress_bar
-from scenarios.run.run import find_plug_ins_here, read_settings
+from scenarios.execute.isolated import allow_plug_ins_from_here
+from scenarios.play.settings import read_settings
 
 UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 HEAD = "head"  # as --skin-sample: learn from the head in the first frames
@@ -130,7 +131,7 @@ def track(request: TrackRequest) -> None:
 
 def plan_of(request: TrackRequest, say: Callable[[str], None]) -> Plan:
     """Everything that can be wrong is found here. Raises BenchError."""
-    find_plug_ins_here(request.detector, request.tracker)
+    allow_plug_ins_from_here(request.detector, request.tracker)
     settings = read_settings(request.settings)
     for key in settings.scenario:
         raise BenchError(f"--set {key}: footage has only detector.NAME and tracker.NAME to change")

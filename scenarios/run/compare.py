@@ -95,8 +95,8 @@ def _escalated(
 ) -> tuple[Verdict, str]:
     """The verdict with as many reserve seeds as it takes, or why these cannot be played here."""
     # Late: to play takes many imports that comparing does not need.
+    from scenarios.execute.local import worker_count
     from scenarios.run.escalate import LOOKS, CannotEscalate, escalate
-    from scenarios.run.run import worker_count
 
     workers = worker_count(jobs)
     first = compare(base, new, margins, looks=LOOKS)

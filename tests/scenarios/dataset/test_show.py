@@ -87,7 +87,7 @@ def test_what_cannot_be_shown_is_said_and_leaves_nothing(made, tmp_path):
     assert not (made / "new").exists()
     with pytest.raises(BenchError, match="Make its folder first"):
         show_dataset(ShowDatasetRequest(made, tmp_path / "no" / "sheet.png"))
-    with pytest.raises(BenchError, match="is no data set"):
+    with pytest.raises(BenchError, match="is not a data set"):
         show_dataset(ShowDatasetRequest(tmp_path, out))
     with pytest.raises(BenchError, match=r"must end in \.rrd"):
         show_dataset(ShowDatasetRequest(made, rerun=tmp_path / "x.mp4"))

@@ -72,7 +72,7 @@ def test_labels_that_agree_with_each_other_but_not_with_the_recipe_are_found(cop
             shutil.copy(folder / "000001.png", folder / "000005.png")
     cast = compare_with_rays(copy, 5)
     assert [fault.file for fault in cast.faults] == [SEQ]
-    assert "is not what its recipe makes" in cast.faults[0].what
+    assert "is not what its recipe makes" in cast.faults[0].text
 
 
 def test_a_recipe_that_cannot_be_made_is_said(copy):
@@ -86,7 +86,7 @@ def test_a_recipe_that_cannot_be_made_is_said(copy):
 
 
 def test_no_data_set_and_wrong_numbers_are_refused(tmp_path, made):
-    with pytest.raises(BenchError, match="is no data set"):
+    with pytest.raises(BenchError, match="is not a data set"):
         verify_dataset(VerifyRequest(tmp_path))
     with pytest.raises(BenchError, match="--rays must be 0 or more"):
         verify_dataset(VerifyRequest(made, rays=-1))
