@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import pickle
 from collections.abc import Collection
+from pathlib import Path
 from typing import Any, Self, TypeVar
 
 E = TypeVar("E", bound="BenchError")
@@ -36,6 +37,18 @@ class InfrastructureError(BenchError):
     """The machine lacks something (OpenGL, disk, a worker that died). Exit code 5."""
 
     exit_code = 5
+
+
+class FileError(BenchError):
+    """A fault of a file: `file` is its path, `cause` the broken rule, without a final stop.
+
+    The line is "file: cause."; with a line number, "file:number: cause."
+    """
+
+    def __init__(self, file: Path | str, cause: str, line_number: int | None = None) -> None:
+        place = file if line_number is None else f"{file}:{line_number}"
+        super().__init__(f"{place}: {cause}.")
+        self.file, self.cause = Path(file), cause
 
 
 class PlugInFault(Exception):

@@ -13,6 +13,7 @@ from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, undistort_points
 from pjpdaf.targets import TARGETS
 from sim.camera.render import ViewRender
+from sim.event_names import merge_name
 from sim.pose import Pose
 from sim.scene.world import CAMERAS
 from sim.script import Script
@@ -130,7 +131,7 @@ def merge_events(views: Sequence[ViewTruth]) -> tuple[str, ...]:
     for camera, view in zip(CAMERAS, views, strict=True):
         for a, b in combinations(range(len(TARGETS)), 2):
             if view.merged[a, b]:
-                found.append(f"merge:{TARGETS[a]}+{TARGETS[b]}:{camera}_view")
+                found.append(merge_name(TARGETS[a], TARGETS[b], camera))
     return tuple(found)
 
 

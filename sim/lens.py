@@ -15,6 +15,7 @@ SCALE = 2  # both pictures are sampled this much finer per axis
 LARGEST = 2.0  # times the real picture's width or height
 BORDER_PX, OUTWARD_STEPS = 8, 33  # where `check` looks: along the border, and from the middle to it
 ROUND_TRIP_PX = 0.01
+POLYNOMIAL = 12  # coefficients of a lens that are polynomials; two more tilt the sensor
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,6 +128,38 @@ def ideal_pixels(camera: Camera) -> Floats:
     y, x = np.mgrid[: camera.height_px, : camera.width_px]
     real = np.stack([x.ravel(), y.ravel()], axis=-1)
     return undistort_points(camera, real).reshape(*x.shape, 2)
+
+
+def real_pixels(
+    camera: Camera, lens: Lens | None, x: NDArray[np.float32], y: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Real pixels x, y of ideal pixels x, y, of the pinhole with the camera's K.
+
+    NaN beyond the ideal picture: there the lens may show nothing, or fold.
+    """
+    if lens is None:
+        return x, y
+    low = camera.K[:2, 2] - lens.ideal.K[:2, 2]
+    high = low + np.array([lens.ideal.width_px, lens.ideal.height_px]) - 1
+    known = (x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1])
+    x, y = np.where(known, x, np.float32(np.nan)), np.where(known, y, np.float32(np.nan))
+    if len(camera.distortion) > POLYNOMIAL:
+        at = distort_points(camera, np.stack([x.ravel(), y.ravel()], axis=-1)).astype(np.float32)
+        return at[:, 0].reshape(x.shape), at[:, 1].reshape(x.shape)
+    # OpenCV's own formula; its function takes ten times as long.
+    fx, cx, fy, cy = (np.float32(camera.K[i]) for i in ((0, 0), (0, 2), (1, 1), (1, 2)))
+    given = np.zeros(POLYNOMIAL, np.float32)
+    given[: len(camera.distortion)] = camera.distortion
+    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4 = given
+    u, v = (x - cx) / fx, (y - cy) / fy
+    r2, uv2 = u * u + v * v, 2 * u * v
+    radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    if k4 or k5 or k6:
+        radial = radial / (1 + r2 * (k4 + r2 * (k5 + r2 * k6)))
+    return (
+        fx * (u * radial + p1 * uv2 + p2 * (r2 + 2 * u * u) + r2 * (s1 + r2 * s2)) + cx,
+        fy * (v * radial + p1 * (r2 + 2 * v * v) + p2 * uv2 + r2 * (s3 + r2 * s4)) + cy,
+    )
 
 
 def finer(at: Floats, scale: int) -> Floats:

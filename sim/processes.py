@@ -34,6 +34,8 @@ WORKER_ENVIRONMENT = {
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
 }
+# Ctrl-C and a closed terminal reach the whole process group: only the parent decides about them.
+TERMINAL_SIGNALS = (signal.SIGINT, signal.SIGHUP)
 T = TypeVar("T")
 R = TypeVar("R")
 
@@ -168,7 +170,7 @@ class _Worker:
         spawn = multiprocessing.get_context("spawn")
         self._pipe, theirs = spawn.Pipe()
         self.process = spawn.Process(target=_serve, args=(theirs,))
-        with _interrupt_deferred():
+        with _terminal_signals_blocked():
             self.process.start()
         theirs.close()  # so that its end is known by the pipe's
         self.number: int | None = None
@@ -246,8 +248,8 @@ def _serve(pipe: Any) -> None:
 
 
 def _prepare_worker() -> None:
-    # Ctrl-C reaches the whole process group; only the parent decides what happens then.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for number in TERMINAL_SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     import cv2
 
@@ -263,9 +265,9 @@ def _end_with_parent() -> None:
 
 
 @contextmanager
-def _interrupt_deferred() -> Iterator[None]:
-    """Ctrl-C waits until the block ends; processes and threads started in it never get it."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+def _terminal_signals_blocked() -> Iterator[None]:
+    """Block `TERMINAL_SIGNALS`, also in the processes that are started in the block."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, TERMINAL_SIGNALS)
     try:
         yield
     finally:

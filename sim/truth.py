@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats, readonly
+from sim.event_names import is_merge
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,3 +71,8 @@ class Truth:
         T = len(self.centres_m)
         for name in ("centres_m", "velocities_mps", "surfaces_m"):
             object.__setattr__(self, name, readonly(getattr(self, name), (T, 3), f"Truth.{name}"))
+
+    @property
+    def script_events(self) -> tuple[str, ...]:
+        """The events of the script, without the merges."""
+        return tuple(name for name in self.events if not is_merge(name))

@@ -19,13 +19,13 @@ from markupsafe import Markup, escape
 from pjpdaf.arrays import Floats
 from pjpdaf.targets import TARGETS
 from reports.summary.tables import LABELS
+from sim.event_names import stroke_speed_mps
 
 Figure = dict[str, Any]
 
 # Of plotly, where footage is drawn (`track_page`).
 DASHES = {"head": "solid", "right_hand": "dash", "left_hand": "dot"}
 SYMBOLS = {"head": "circle", "right_hand": "square", "left_hand": "diamond"}
-SPEED_LABEL = "speed:"
 WIDTH = 480  # of a chart, in its own units; text is 13 of these high
 _LEFT, _RIGHT, _TOP, _BOTTOM = 52, 12, 30, 44
 # View of the 3-D paths: columns are the world's x, y, z in the picture (right, up).
@@ -201,17 +201,10 @@ def stacked_bars(parts_mm: Mapping[str, Mapping[str, float]]) -> Markup:
 
 
 def label_speeds(labels: pd.Series) -> np.ndarray:
-    """Speed [m/s] of each row (n,) from a label such as "speed:0.5", NaN without one."""
-    found = np.full(len(labels), np.nan)
-    for i, text in enumerate(labels):
-        for label in str(text).split(";"):
-            if label.startswith(SPEED_LABEL):
-                try:
-                    found[i] = float(label.removeprefix(SPEED_LABEL))
-                except ValueError:
-                    continue
-    found[~(found > 0)] = np.nan
-    return found
+    """Speed of the stroke [m/s] in each row (n,) of the column `labels`, NaN without a stroke."""
+    speeds = [[stroke_speed_mps(name) for name in str(text).split(";")] for text in labels]
+    # Of several the last counts.
+    return np.array([([np.nan] + [s for s in row if s == s])[-1] for row in speeds])
 
 
 def path_data(places: Floats) -> str:

@@ -31,7 +31,6 @@ from reports.pictures.overlay import (
 from sim.truth import Truth, ViewTruth
 
 Labels = NDArray[np.int8]
-MERGE = "merge:"  # such events are drawn as merged pairs, not named again
 STRIP_PX = 56
 # BGR, those of the dark page: the scenes are dark as well.
 _COLOURS = ((115, 125, 255), (131, 207, 88), (255, 159, 142))
@@ -233,13 +232,13 @@ def _strip(width: int, truth: Truth, title: str) -> Image:
     title = fitting(title, width // 2)
     right = width - 12 - text_width(title)
     draw_text(strip, title, (right, 46), WHITE)
-    draw_text(strip, fitting(event_words(truth), right - 36), (12, 46), WHITE)
+    draw_text(strip, fitting(script_text(truth), right - 36), (12, 46), WHITE)
     return strip
 
 
-def event_words(truth: Truth) -> str:
-    """What happens in the frame, without the merges."""
-    return ", ".join(name for name in truth.events if not name.startswith(MERGE))
+def script_text(truth: Truth) -> str:
+    """The script's events of the frame; merges are drawn instead."""
+    return ", ".join(truth.script_events)
 
 
 def fitting(words: str, width_px: int) -> str:

@@ -9,8 +9,13 @@ from rich.table import Table
 
 from scenarios.spec.draw import concrete, perform
 from scenarios.spec.names import resolve, scenarios_of
-from scenarios.spec.parameters import Choice, File, Fixed, Normal, Numeric, Parameter
-from scenarios.spec.scenario import Scenario, Suite, digest, suite_digest
+from scenarios.spec.parameters.choice import Choice
+from scenarios.spec.parameters.distributions import Fixed, Normal
+from scenarios.spec.parameters.file import File
+from scenarios.spec.parameters.numeric import Numeric
+from scenarios.spec.parameters.parameter import Parameter
+from scenarios.spec.scenario import Scenario, digest
+from scenarios.spec.suite import Suite, suite_digest
 
 
 def describe(name: str, seed: int, overrides: Mapping[str, str] | None = None) -> None:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import itertools
-import signal
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,9 +15,10 @@ from pjpdaf.errors import BenchError, InfrastructureError
 from reports.pictures.contact_sheet import contact_sheet
 from reports.pictures.film import Film, film_suffix
 from reports.pictures.overlay import Image
-from reports.pictures.truth_overlay import MERGE, truth_picture
+from reports.pictures.truth_overlay import truth_picture
+from scenarios.console.interrupts import unwritten_if_interrupted
 from scenarios.console.progress import progress_bar
-from scenarios.run.run import Interrupted, read_settings
+from scenarios.play.settings import read_settings
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
 from sim.camera.render import StereoRenderer
@@ -51,8 +50,8 @@ def show(request: ShowRequest) -> str:
     """Film the scenario, or put it on one sheet; what was written, in words.
 
     Raises BenchError where something asked for is not possible, InfrastructureError where the
-    disk is full or something is not installed, Interrupted after Ctrl-C or SIGTERM; then nothing
-    is left behind.
+    disk is full or something is not installed, Interrupted after a signal; then nothing is left
+    behind.
     """
     suffix = request.film.suffix.lower()
     if suffix not in (MP4, PNG):
@@ -66,7 +65,7 @@ def show(request: ShowRequest) -> str:
     indices = frame_range(request.frames, performance.frames)
     title = f"{request.name} seed {request.seed}"
     what = "the film" if suffix == MP4 else "the sheet"
-    with told_of_signals(request.film), written_whole_file(request.film, what) as part:
+    with unwritten_if_interrupted(request.film), written_whole_file(request.film, what) as part:
         if suffix == MP4:
             _film(performance, indices, part, title)
             return f"film: {request.film} ({len(indices)} frames at {performance.fps:g} a second)"
@@ -125,11 +124,6 @@ def difficulty(truth: Truth) -> int:
     return merged + sum(int((view.visible_fractions < HIDDEN_SHARE).sum()) for view in truth.views)
 
 
-def happening(truth: Truth) -> tuple[str, ...]:
-    """What the script does in a frame, without the merges."""
-    return tuple(name for name in truth.events if not name.startswith(MERGE))
-
-
 def spread(seen: Sequence[Truth], most: int) -> list[int]:
     """Positions of at most `most` frames that tell the story, in order.
 
@@ -152,7 +146,9 @@ def spread(seen: Sequence[Truth], most: int) -> list[int]:
 
 
 def _situation(truth: Truth) -> tuple[object, ...]:
-    return happening(truth), *(view.merged.tobytes() for view in truth.views if view.merged.any())
+    return truth.script_events, *(
+        view.merged.tobytes() for view in truth.views if view.merged.any()
+    )
 
 
 def _performance(request: ShowRequest) -> Performance:
@@ -200,19 +196,3 @@ def _sheet(performance: Performance, indices: range, part: Path, title: str) -> 
     with disk_faults(part, "the sheet"):
         part.write_bytes(bytes(png))
     return chosen
-
-
-@contextmanager
-def told_of_signals(path: Path) -> Iterator[None]:
-    """SIGTERM inside is like Ctrl-C: what is half written is removed, and said so."""
-
-    def interrupt(number: int, frame: object) -> None:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield
-    except KeyboardInterrupt:
-        raise Interrupted(f"interrupted: {path} is not written") from None
-    finally:
-        signal.signal(signal.SIGTERM, before)

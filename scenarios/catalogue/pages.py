@@ -21,7 +21,8 @@ from reports.pictures.contact_sheet import (
 )
 from reports.pictures.overlay import LETTERS, Image
 from reports.pictures.truth_overlay import merged_words, thumbnail
-from scenarios.catalogue.film import difficulty, happening, labels_of, told_of_signals, truths
+from scenarios.catalogue.film import difficulty, labels_of, truths
+from scenarios.console.interrupts import interrupts, unwritten_if_interrupted
 from scenarios.console.progress import progress_bar
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario, load_suite, scenario_names, suite_names
@@ -70,8 +71,18 @@ def write_catalogue(html: Path | None, markdown: Path | None, workers: int) -> l
     for path in paths:
         check_ours(path)
     scenarios = sorted(map(load_scenario, scenario_names()), key=_order)
-    with told_of_signals(paths[0]):
-        pictures = draw_all(scenarios, workers)
+    with interrupts():  # while pages are written, signals are only counted
+        with unwritten_if_interrupted(paths[0]):
+            pictures = draw_all(scenarios, workers)
+        return _write_pages(scenarios, pictures, html, markdown)
+
+
+def _write_pages(
+    scenarios: Sequence[Scenario],
+    pictures: Sequence[Picture],
+    html: Path | None,
+    markdown: Path | None,
+) -> list[Path]:
     written = []
     if html is not None:
         page = catalogue_page(_catalogue(scenarios, [p.large for p in pictures], pictures), MARK)
@@ -167,7 +178,7 @@ def telling(seen: Sequence[Truth]) -> Truth:
     if most:
         stretches = _stretches(seen, lambda truth: difficulty(truth) == most)
     else:
-        stretches = _stretches(seen[STILL_FRAMES:], happening)
+        stretches = _stretches(seen[STILL_FRAMES:], lambda truth: truth.script_events)
     longest = max(stretches, key=len, default=list(seen))
     return longest[len(longest) // 2]
 
@@ -179,7 +190,7 @@ def _stretches(seen: Sequence[Truth], key: Callable[[Truth], object]) -> list[li
 
 def caption(truth: Truth) -> str:
     """Frame and time, what happens, what is merged and what does not show."""
-    said = [f"frame {truth.index} ({truth.time_s:.1f} s)", *happening(truth)]
+    said = [f"frame {truth.index} ({truth.time_s:.1f} s)", *truth.script_events]
     for verb, words in (("merged", merged_words), ("unseen", _unseen_words)):
         left, right = map(words, truth.views)
         if left == right:

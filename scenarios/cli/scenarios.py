@@ -35,7 +35,7 @@ def list_catalogue(
             typer.echo(line)
         return
     from scenarios.catalogue.pages import write_catalogue
-    from scenarios.run.run import worker_count
+    from scenarios.execute.local import worker_count
 
     for path in write_catalogue(html, markdown, worker_count(jobs)):
         typer.echo(f"catalogue: {path}")
@@ -127,6 +127,6 @@ def schema() -> None:
     """The JSON schema of a scenario file, for editors."""
     import json
 
-    from scenarios.spec.loader import json_schema
+    from scenarios.spec.schema import json_schema
 
     typer.echo(json.dumps(json_schema(), indent=2))

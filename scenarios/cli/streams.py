@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from collections.abc import Iterator
@@ -12,11 +13,13 @@ from typing import Any, TextIO, cast
 class _SurvivingStream:
     """A text stream that discards its output once its reader has gone.
 
-    The work goes on to its end and keeps its exit code.
+    Its reader: of a pipe, or a terminal that is closed. The work goes on to its end and keeps its
+    exit code.
     """
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
+        self._is_terminal = stream.isatty()
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)
@@ -24,15 +27,21 @@ class _SurvivingStream:
     def write(self, text: str) -> int:
         try:
             return self._stream.write(text)
-        except BrokenPipeError:
-            discard_output(self._stream)
+        except OSError as fault:
+            self._discard_or_raise(fault)
             return len(text)
 
     def flush(self) -> None:
         try:
             self._stream.flush()
-        except BrokenPipeError:
-            discard_output(self._stream)
+        except OSError as fault:
+            self._discard_or_raise(fault)
+
+    def _discard_or_raise(self, fault: OSError) -> None:
+        hung_up = self._is_terminal and fault.errno == errno.EIO
+        if not hung_up and not isinstance(fault, BrokenPipeError):
+            raise fault
+        discard_output(self._stream)
 
 
 def discard_output(stream: TextIO) -> None:

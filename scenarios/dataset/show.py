@@ -14,7 +14,8 @@ from reports.dataset.page import Clip, clips, dataset_page
 from reports.dataset.rerun import write_dataset_rerun
 from reports.dataset.sheet import dataset_sheet, sheet_png
 from reports.summary.tables import count
-from scenarios.catalogue.film import spread, told_of_signals
+from scenarios.catalogue.film import spread
+from scenarios.console.interrupts import unwritten_if_interrupted
 from scenarios.console.progress import progress_bar
 from sim.dataset.reader import Dataset, open_dataset
 from sim.dataset.statistics import statistics_of
@@ -53,7 +54,7 @@ def show_dataset(request: ShowDatasetRequest) -> str:
         _check_place(path, dataset)
     first = next(path for path in (sheet, page, request.rerun) if path is not None)
     said = []
-    with told_of_signals(first):
+    with unwritten_if_interrupted(first):
         if request.rerun is not None:  # first: whether Rerun is there shows at once
             write_dataset_rerun(dataset, sequences, request.rerun)
             said.append(f"recording: {request.rerun} ({count(len(sequences), 'sequence')})")

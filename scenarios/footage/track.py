@@ -6,11 +6,9 @@ import dataclasses
 import functools
 import itertools
 import json
-import signal
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from types import FrameType, TracebackType
 from typing import Any
 
 from rich.console import Console
@@ -42,8 +40,10 @@ from reports.pictures.film import Film
 from reports.pictures.overlay import encode_jpeg, overlay_picture
 from reports.run.provenance import provenance
 from scenarios.console.folder import written_whole
+from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
 from scenarios.console.progress import progress_bar
-from scenarios.run.run import Interrupted, find_plug_ins_here, read_settings
+from scenarios.execute.isolated import allow_plug_ins_from_here
+from scenarios.play.settings import read_settings
 
 UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 HEAD = "head"  # as --skin-sample: learn from the head in the first frames
@@ -97,7 +97,8 @@ def track(request: TrackRequest) -> None:
     """Track, save, print.
 
     Raises BenchError, for a fault in mid-footage after all before it is saved; Interrupted after
-    Ctrl-C or SIGTERM, likewise.
+    a signal, likewise; KeyboardInterrupt, and nothing is saved, after a second one while frames
+    are still tracked.
     """
     console = Console(stderr=True)
 
@@ -106,11 +107,12 @@ def track(request: TrackRequest) -> None:
 
     with written_whole(request.out) as part:
         plan = plan_of(request, say)
-        with _Stop() as stop:
-            with console.status("learning the background"):
-                plan = _learnt(plan, say)
-            record, film = _follow(plan, part, console, say, stop)
-            facts = _facts(plan, film, complete=not stop.asked and stop.fault is None)
+        with interrupts() as arrived:
+            with arrived.raising(at=2):
+                with console.status("learning the background"):
+                    plan = _learnt(plan, say)
+                record, film, fault = _follow(plan, part, console, say, arrived)
+            facts = _facts(plan, film, complete=not arrived.arrived and fault is None)
             write_text(part / "report.html", track_page(record, facts))
             _write_json(part / "track.json", plan, record, facts)
     out = Console()
@@ -124,15 +126,15 @@ def track(request: TrackRequest) -> None:
     ):
         out.print(line, markup=False, highlight=False, soft_wrap=True)
     kept = f"the first {record.frames} frames are saved in {request.out}"
-    if stop.fault is not None:
-        raise stop.fault.reworded(f"{str(stop.fault).rstrip('.')}; {kept}")
-    if stop.asked:
+    if fault is not None:
+        raise fault.reworded(f"{str(fault).rstrip('.')}; {kept}")
+    if arrived.arrived:
         raise Interrupted(f"interrupted: {kept}")
 
 
 def plan_of(request: TrackRequest, say: Callable[[str], None]) -> Plan:
     """Everything that can be wrong is found here. Raises BenchError."""
-    find_plug_ins_here(request.detector, request.tracker)
+    allow_plug_ins_from_here(request.detector, request.tracker)
     settings = read_settings(request.settings)
     for key in settings.scenario:
         raise BenchError(f"--set {key}: footage has only detector.NAME and tracker.NAME to change")
@@ -295,15 +297,19 @@ def _with_background(plan: Plan, say: Callable[[str], None]) -> Detector:
 
 
 def _follow(
-    plan: Plan, part: Path, console: Console, say: Callable[[str], None], stop: _Stop
-) -> tuple[TrackRecord, Path | None]:
-    """Detect and track all frames."""
+    plan: Plan, part: Path, console: Console, say: Callable[[str], None], arrived: Interrupts
+) -> tuple[TrackRecord, Path | None, BenchError | None]:
+    """Detect and track all frames.
+
+    Returns the record, the film, and the fault of the input that ended the footage early, if any.
+    """
+    ended_by: BenchError | None = None
     request, cameras = plan.request, plan.rig.cameras
     record = TrackRecord(1 / plan.rate_hz)
     with progress_bar(console) as progress:
         task = progress.add_task("tracking", total=plan.total)
         footage = stereo_frames(request.left, request.right, plan.rate_hz, plan.sizes_px, say)
-        frames = itertools.takewhile(lambda _: not stop.asked, footage)
+        frames = itertools.takewhile(lambda _: not arrived.arrived, footage)
         with TrackWriter(part, cameras) as tracks, Film(part, "overlay", plan.rate_hz) as film:
             try:
                 for step in follow(frames, plan.detector, plan.tracker):
@@ -316,44 +322,10 @@ def _follow(
             except BenchError as fault:
                 if record.frames == 0:
                     raise
-                stop.fault = fault  # what was tracked before it is kept
+                ended_by = fault  # what was tracked before it is kept
     if record.frames == 0:
         raise Interrupted("interrupted before any frame was tracked; nothing saved")
-    return record, film.path
-
-
-class _Stop:
-    """Why the frame loop ended early.
-
-    Ctrl-C, or SIGTERM, asks it to end after its frame, a second one ends at once; fault: an input
-    that cannot be used.
-    """
-
-    def __init__(self) -> None:
-        self.asked = False
-        self.fault: BenchError | None = None
-        self._before: Any = None
-
-    def __enter__(self) -> _Stop:
-        self._before = signal.getsignal(signal.SIGINT)
-        if self._before is not signal.SIG_IGN:  # a shell's background job stays deaf
-            signal.signal(signal.SIGINT, self._ask)
-        signal.signal(signal.SIGTERM, self._ask)
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        fault: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        signal.signal(signal.SIGINT, self._before)
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
-
-    def _ask(self, number: int, frame: FrameType | None) -> None:
-        if self.asked:
-            raise KeyboardInterrupt
-        self.asked = True
+    return record, film.path, ended_by
 
 
 def _facts(plan: Plan, film: Path | None, complete: bool) -> TrackFacts:

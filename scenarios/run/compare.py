@@ -27,6 +27,7 @@ from reports.gate.gate import MetricVerdict, Verdict, compare
 from reports.run.load import SavedRun, load
 from reports.run.provenance import provenance
 from reports.run.rows import EpisodeRows
+from scenarios.console.interrupts import interrupts
 from scenarios.console.progress import progress_bar
 from scenarios.run.margins import load_margins, read_margins
 from sim.files import disk_faults, written_whole_file
@@ -94,14 +95,18 @@ def _escalated(
 ) -> tuple[Verdict, str]:
     """The verdict with as many reserve seeds as it takes, or why these cannot be played here."""
     # Late: to play takes many imports that comparing does not need.
+    from scenarios.execute.local import worker_count
     from scenarios.run.escalate import LOOKS, CannotEscalate, escalate
-    from scenarios.run.run import worker_count
 
     workers = worker_count(jobs)
     first = compare(base, new, margins, looks=LOOKS)
     if first.verdict != "inconclusive":
         return first, ""
-    with progress_bar(Console(stderr=True)) as progress:
+    with (
+        interrupts() as arrived,
+        arrived.raising(),
+        progress_bar(Console(stderr=True)) as progress,
+    ):
 
         def on_round(number: int, episodes: int) -> Callable[[EpisodeRows], None]:
             task = progress.add_task(f"reserve {number + 1}", total=episodes)

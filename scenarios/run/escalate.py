@@ -18,8 +18,10 @@ from reports.run.load import SavedRun
 from reports.run.rows import EpisodeRows
 from reports.run.tables import tables_of
 from scenarios.execute.episodes import Played, play_all
+from scenarios.execute.isolated import allow_plug_ins_from_here
+from scenarios.play.plan import PlanRequest, plan
 from scenarios.play.play import Job, digest_of
-from scenarios.run.run import RunRequest, find_plug_ins_here, plan, record
+from scenarios.run.save_run import save_run
 
 FIRST_RESERVE_SEED = 1_000_000
 ROUNDS = (1, 2, 4)  # times the seeds that the runs have, one round after the other
@@ -100,29 +102,24 @@ def by_hand(new: SavedRun, reason: str) -> str:
     )
 
 
-def request_of(run: SavedRun) -> RunRequest:
-    """What the command line of a run asked for."""
-    asked, meta = run.meta["request"], run.meta
-    return RunRequest(
-        targets=tuple(asked["targets"]),
-        seeds=asked["seeds"],
-        preset=str(meta["preset"]),
+def request_of(run: SavedRun) -> PlanRequest:
+    """The plan that a run was made from."""
+    request, meta = run.meta["request"], run.meta
+    return PlanRequest(
+        targets=tuple(request["targets"]),
+        seeds=request["seeds"],
+        first_seed=int(request["first_seed"]),
+        only=tuple(request["only"]),
+        settings=tuple(request["settings"]),
         detector=str(meta["detector"]),
         tracker=str(meta["tracker"]),
-        settings=tuple(asked["settings"]),
-        jobs=None,
-        out=None,
-        argv=(),
-        first_seed=int(asked["first_seed"]),
-        only=tuple(asked["only"]),
-        slim=True,
     )
 
 
 def planned(run: SavedRun) -> list[Job]:
     """The jobs of a run once more. Raises CannotEscalate where they are not those of the run."""
     request = request_of(run)
-    find_plug_ins_here(request.detector, request.tracker)
+    allow_plug_ins_from_here(request.detector, request.tracker)
     try:
         jobs = plan(request)
     except BenchError as fault:
@@ -191,7 +188,16 @@ def play_round(
         part, rows = rows[: len(mine)], rows[len(mine) :]
         played = Played(tuple(part), interrupted=False, renderer=run.meta["provenance"]["renderer"])
         out = folder / f"{name}-{number + 1}"
-        grown.append(joined([run, record(request_of(run), mine, played, out, force=True)]))
+        saved = save_run(
+            request_of(run),
+            mine,
+            played,
+            out,
+            preset=str(run.meta["preset"]),
+            slim=True,
+            force=True,
+        )
+        grown.append(joined([run, saved]))
     return grown[0], grown[1]
 
 

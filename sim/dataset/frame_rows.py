@@ -10,7 +10,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import FileError
 from pjpdaf.targets import TARGETS
 from sim.dataset.files.layout import OBJECTS, RIG, TRUTH
 from sim.dataset.files.reading import read_table
@@ -39,26 +39,25 @@ class FrameRows:
     objects: tuple[FrameRow, ...]
 
 
-def frames_of(sequence: StoredSequence) -> list[FrameRows]:
+def read_frame_rows(sequence: StoredSequence) -> list[FrameRows]:
     """All frames in order. Raises BenchError with the file's name where a table is damaged."""
     path = sequence.folder / TRUTH
     rows = _rows(path, TRUTH_SCHEMA)
     T, wanted = len(TARGETS), sequence.frame_count
     if len(rows) != T * wanted:
-        raise BenchError(f"{path}: must have {T * wanted} rows ({wanted} frames), has {len(rows)}.")
+        raise FileError(path, f"must have {T * wanted} rows ({wanted} frames), has {len(rows)}")
     objects = _objects(sequence)
     frames = []
     for index in range(wanted):
         mine = tuple(rows[T * index : T * (index + 1)])
         if [(row["frame_index"], row["target"]) for row in mine] != [(index, t) for t in TARGETS]:
-            raise BenchError(
-                f"{path}: frame {index}: must have the rows of {', '.join(TARGETS)}, in this order."
+            raise FileError(
+                path, f"frame {index}: must have the rows of {', '.join(TARGETS)}, in this order"
             )
         for t, row in enumerate(mine):
             if not _shaped(row, sum(target == t for target, _ in KEYPOINTS)):
-                raise BenchError(
-                    f"{path}: frame {index}: {row['target']}: a box or keypoint is of the wrong "
-                    "size."
+                raise FileError(
+                    path, f"frame {index}: {row['target']}: a box or keypoint is of the wrong size"
                 )
         first = mine[0]
         frames.append(
@@ -80,7 +79,7 @@ def object_kinds(sequence: StoredSequence) -> dict[str, str]:
     try:
         return {str(one["name"]): str(one["kind"]) for one in listed or ()}
     except (KeyError, TypeError) as fault:
-        raise BenchError(f"{sequence.folder / RIG}: objects: is no list of name, kind.") from fault
+        raise FileError(sequence.folder / RIG, "objects: is not a list of name, kind") from fault
 
 
 def box_of(row: FrameRow, camera: str, prefix: str = "") -> list[float] | None:
@@ -104,12 +103,12 @@ def _rows(path: Path, schema: pa.Schema) -> list[dict[str, Any]]:
     for name in schema.names:
         column = table[name]
         if column.null_count and not name.startswith(_MAY_LACK):
-            raise BenchError(f"{path}: {name}: a value is missing.")
+            raise FileError(path, f"{name}: a value is missing")
         while pa.types.is_list(column.type):
             column = pc.list_flatten(column)
         # None where there are no numbers at all.
         if pa.types.is_floating(column.type) and pc.all(pc.is_finite(column)).as_py() is False:
-            raise BenchError(f"{path}: {name}: the numbers must be finite.")
+            raise FileError(path, f"{name}: the numbers must be finite")
     return list(table.to_pylist())
 
 

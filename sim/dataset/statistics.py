@@ -14,7 +14,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import FileError
 from pjpdaf.targets import LEFT_HAND, RIGHT_HAND, TARGETS
 from sim.dataset.files.layout import TRUTH
 from sim.dataset.labels.records import KEYPOINTS, NOT_LABELLED, VISIBLE
@@ -165,9 +165,10 @@ class _Parts:
         # As a stranger's table says it, not as the manifest does.
         names = rows["target"].to_numpy()
         if len(rows) != frames * len(TARGETS) or list(names) != list(TARGETS) * frames:
-            raise BenchError(
-                f"{sequence.folder / TRUTH}: must have a row for each of {', '.join(TARGETS)} in "
-                f"each of {frames} frames, in this order."
+            raise FileError(
+                sequence.folder / TRUTH,
+                f"must have a row for each of {', '.join(TARGETS)} in "
+                f"each of {frames} frames, in this order",
             )
         scenario = str(sequence.entry.get("scenario", "unnamed"))
         before = self._scenarios.get(scenario, (0, 0))
@@ -264,9 +265,10 @@ class _Parts:
                     if ((said < NOT_LABELLED) | (said > VISIBLE)).any():
                         raise ValueError
                 except (TypeError, ValueError):
-                    raise BenchError(
-                        f"{sequence.folder / TRUTH}: {column} of {target} must be {len(names)} "
-                        f"numbers from {NOT_LABELLED} to {VISIBLE} in each frame."
+                    raise FileError(
+                        sequence.folder / TRUTH,
+                        f"{column} of {target} must be {len(names)} "
+                        f"numbers from {NOT_LABELLED} to {VISIBLE} in each frame",
                     ) from None
                 for k, name in enumerate(names):
                     self._keypoints[name] += np.bincount(said[:, k], minlength=_STATUSES)

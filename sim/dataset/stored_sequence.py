@@ -15,7 +15,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from pjpdaf.camera import StereoRig
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import FileError
 from pjpdaf.frames import StereoFrame
 from pjpdaf.targets import TARGETS
 from sim.dataset.files import encode
@@ -97,7 +97,7 @@ class StoredSequence:
                 Instance(int(one["id"]), str(one["name"]), str(one["kind"])) for one in listed or ()
             )
         except (KeyError, TypeError, ValueError, OverflowError) as fault:
-            raise BenchError(f"{path}: instances: is not a list of id, name, kind.") from fault
+            raise FileError(path, "instances: is not a list of id, name, kind") from fault
 
     @cached_property
     def recipe(self) -> dict[str, Any]:
@@ -134,7 +134,7 @@ class StoredSequence:
         try:
             rows = table.to_pylist()
         except ValueError as fault:
-            raise BenchError(f"{path}: holds text that is not UTF-8.") from fault
+            raise FileError(path, "holds text that is not UTF-8") from fault
         found: list[tuple[Truth, float, tuple[bool, ...]]] = []
         for index in range(wanted):
             mine = rows[T * index : T * (index + 1)]
@@ -148,7 +148,7 @@ class StoredSequence:
                     raise ValueError("times, centres and velocities must be finite")
             except (KeyError, TypeError, ValueError) as fault:
                 said = str(fault).rstrip(".")
-                raise BenchError(f"{path}: frame {index}: {said}.") from fault
+                raise FileError(path, f"frame {index}: {said}") from fault
             came = tuple(bool(mine[0][f"arrived_{camera}"]) for camera in CAMERAS)
             found.append((truth, stamp_s, came))
         return tuple(found)
@@ -231,14 +231,13 @@ class StoredSequence:
         """The picture of a folder, checked against the cameras' size."""
         path = self.path(folder, picture_name(index))
         if path.stat().st_size > MAX_PICTURE_BYTES:
-            raise BenchError(f"{path}: is larger than {MAX_PICTURE_BYTES >> 20} MiB.")
+            raise FileError(path, f"is larger than {MAX_PICTURE_BYTES >> 20} MiB")
         picture = encode.read_png(path, dtype, channels)
         camera = self.rig.left
         if picture.shape[:2] != (camera.height_px, camera.width_px):
             height, width = picture.shape[:2]
-            raise BenchError(
-                f"{path}: is {width}x{height}, the cameras are "
-                f"{camera.width_px}x{camera.height_px}."
+            raise FileError(
+                path, f"is {width}x{height}, the cameras are {camera.width_px}x{camera.height_px}"
             )
         return picture
 
@@ -247,19 +246,19 @@ class StoredSequence:
         try:
             left, right = (camera_of(self.rig_json[key][name]) for name in CAMERAS)
         except KeyError as fault:
-            raise BenchError(f"{path}: {key}: lacks {fault}.") from fault
+            raise FileError(path, f"{key}: lacks {fault}") from fault
         except (TypeError, ValueError, OverflowError) as fault:
             said = str(fault).rstrip(".")
-            raise BenchError(f"{path}: {key}: {said}.") from fault
+            raise FileError(path, f"{key}: {said}") from fault
         return StereoRig(left, right)
 
 
 def _number(path: Path, record: Mapping[str, Any], key: str, least: float, most: float) -> float:
     value = record.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise BenchError(f"{path}: {key} must be a number.")
+        raise FileError(path, f"{key} must be a number")
     # A whole number of JSON may have any length: compared before it becomes a float.
     if not (least <= value <= most and math.isfinite(value)):
         said = str(value)[:20]
-        raise BenchError(f"{path}: {key} must be from {least:g} to {most:g}, got {said}.")
+        raise FileError(path, f"{key} must be from {least:g} to {most:g}, got {said}")
     return float(value)

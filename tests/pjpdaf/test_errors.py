@@ -12,7 +12,7 @@ import scenarios
 import sim
 from pjpdaf.errors import BenchError, InfrastructureError, PlugInFault
 from pjpdaf.presets.registry import UnknownPreset
-from scenarios.spec.loader import FileFault
+from scenarios.spec.faults import FileFault
 from scenarios.spec.names import UnknownName
 
 LINE = "the picture is 3x2 px; give a larger one"

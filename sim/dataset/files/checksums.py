@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import FileError
 
 _LINE = re.compile(r"([0-9a-f]{64})  (.+)")
 
@@ -31,13 +31,13 @@ def read_sums(path: Path) -> dict[str, str]:
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as fault:
-        raise BenchError(f"{path}: cannot be read: {fault}.") from fault
+        raise FileError(path, f"cannot be read: {fault}") from fault
     sums = {}
     for number, line in enumerate(lines, 1):
         found = _LINE.fullmatch(line)
         parts = PurePosixPath(found[2]).parts if found else ()
         if not found or found[2].startswith("/") or ".." in parts:
-            raise BenchError(f"{path}:{number}: is no line of checksums inside this folder.")
+            raise FileError(path, "is not a line of checksums inside this folder", number)
         sums[found[2]] = found[1]
     return sums
 

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import FileError
 from sim.dataset.files.layout import DEPTH_UNIT_M, DISPARITY_SCALE, FLOW_SCALE, FLOW_ZERO
 from sim.dataset.labels.records import NO_SURFACE, Matches
 
@@ -45,18 +45,19 @@ def read_png(path: Path, dtype: type, channels: int) -> NDArray[Any]:
     try:
         data = path.read_bytes()
     except OSError as fault:
-        raise BenchError(f"{path}: cannot be read: {fault.strerror}.") from fault
+        raise FileError(path, f"cannot be read: {fault.strerror}") from fault
     if data[:8] != _PNG or data[12:16] != b"IHDR":
-        raise BenchError(f"{path}: is not a PNG picture, or a damaged one.")
+        raise FileError(path, "is not a PNG picture, or a damaged one")
     # Width and height stand in the first chunk; a picture is not unpacked to find out.
     width, height = (int.from_bytes(data[at : at + 4], "big") for at in (16, 20))
     if not 0 < width * height <= MOST_PX:
-        raise BenchError(
-            f"{path}: says that it is {width}x{height}; more than {MOST_PX >> 20} million pixels "
-            "are not read."
+        raise FileError(
+            path,
+            f"says that it is {width}x{height}; more than {MOST_PX >> 20} million pixels "
+            "are not read",
         )
     if not _is_whole(data):
-        raise BenchError(f"{path}: is a damaged PNG picture.")
+        raise FileError(path, "is a damaged PNG picture")
     level = cv2.utils.logging.getLogLevel()
     cv2.utils.logging.setLogLevel(0)  # OpenCV prints what is raised here as well
     try:
@@ -66,12 +67,13 @@ def read_png(path: Path, dtype: type, channels: int) -> NDArray[Any]:
     finally:
         cv2.utils.logging.setLogLevel(level)
     if picture is None:
-        raise BenchError(f"{path}: is a damaged PNG picture.")
+        raise FileError(path, "is a damaged PNG picture")
     shape = picture.shape[:2] if channels == 1 else (*picture.shape[:2], channels)
     if picture.dtype != dtype or picture.shape != shape:
-        raise BenchError(
-            f"{path}: must have {channels} channels of {np.dtype(dtype).name}, has "
-            f"{1 if picture.ndim == 2 else picture.shape[2]} of {picture.dtype.name}."
+        raise FileError(
+            path,
+            f"must have {channels} channels of {np.dtype(dtype).name}, has "
+            f"{1 if picture.ndim == 2 else picture.shape[2]} of {picture.dtype.name}",
         )
     return np.asarray(picture)
 
@@ -185,9 +187,9 @@ def read_npz(path: Path, size_px: tuple[int, int]) -> dict[str, NDArray[np.float
                 with held.open(entry) as file:
                     found[name] = np.lib.format.read_array(file, allow_pickle=False)
     except OSError as fault:
-        raise BenchError(f"{path}: cannot be read: {fault.strerror or fault}.") from fault
+        raise FileError(path, f"cannot be read: {fault.strerror or fault}") from fault
     except _NPZ_FAULTS as fault:
-        raise BenchError(f"{path}: is a damaged NPZ file: {_one_line(fault)}.") from fault
+        raise FileError(path, f"is a damaged NPZ file: {_one_line(fault)}") from fault
     return found
 
 

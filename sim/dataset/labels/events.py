@@ -41,7 +41,7 @@ def events_of(
         occlusions += _occlusions(truths, hidden, instances, view)
     hands = RIGHT_HAND, LEFT_HAND
     ambiguous = _spans(all(v.merged[hands] for v in truth.views) for truth in truths)
-    named = sorted({e for t in truths for e in t.events if not e.startswith("merge:")})
+    named = sorted({event for truth in truths for event in truth.script_events})
     script = [
         {"event": name, **_ends(span)}
         for name in named

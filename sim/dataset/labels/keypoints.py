@@ -10,8 +10,7 @@ from pjpdaf.camera import Camera, project, to_camera
 from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND
 from sim.anatomy import Anatomy
 from sim.dataset.labels.records import KEYPOINTS, NOT_LABELLED, OCCLUDED, VISIBLE
-from sim.dataset.labels.stereo import shown
-from sim.lens import Lens
+from sim.lens import Lens, real_pixels
 from sim.person.hand import FINGERS, fingers, joint_angles, palm_surface
 from sim.person.head import head_surface
 from sim.pose import Pose, Transform
@@ -80,7 +79,9 @@ class Keypoints:
         places = self.places(pose)
         inside = to_camera(camera, places)
         ideal = project(camera, places).astype(np.float32)
-        pixels = np.stack(shown(camera, lens, ideal[:, 0], ideal[:, 1]), axis=-1).astype(float)
+        pixels = np.stack(real_pixels(camera, lens, ideal[:, 0], ideal[:, 1]), axis=-1).astype(
+            float
+        )
         status = np.full(len(places), NOT_LABELLED, np.int8)
         height, width = depth_m.shape
         parts = {HEAD: pose.head, RIGHT_HAND: pose.hands[0], LEFT_HAND: pose.hands[1]}

@@ -18,23 +18,22 @@ from sim.camera.render import StereoRenderer, ViewRender
 from sim.dataset.labels.instances import FIRST_OBJECT, Instances, instances_of
 from sim.dataset.labels.keypoints import Keypoints
 from sim.dataset.labels.records import (
-    KEYPOINTS,
+    CENTRE_KEYPOINTS,
     NOT_LABELLED,
     FrameLabels,
     Matches,
     ObjectState,
     ViewLabels,
 )
-from sim.dataset.labels.stereo import Depths, Float32s, PicturePair, RectifiedPair, shown
+from sim.dataset.labels.stereo import Depths, Float32s, PicturePair, RectifiedPair
 from sim.labels import VELOCITY_STEP_S
-from sim.lens import Lens
+from sim.lens import Lens, real_pixels
 from sim.pose import Pose, Transform
 from sim.scene.world import World
 from sim.sequence import RenderedFrame, Simulation
 from sim.vectors import about_z
 
 DISPARITY, CORRESPONDENCE = "disparity", "correspondence"
-_CENTRES = [KEYPOINTS.index((t, "palm_centre" if t else "head_centre")) for t in range(3)]
 
 
 class Labeller:
@@ -130,7 +129,7 @@ class Labeller:
         )
         counts = np.bincount(instances.ravel(), minlength=self.instances.highest + 1)
         looked: _ExtraRenders = rendered.hook_results[index]
-        in_frame = status[_CENTRES] != NOT_LABELLED
+        in_frame = status[list(CENTRE_KEYPOINTS)] != NOT_LABELLED
         return ViewLabels(
             depth_m=depth_m,
             instances=instances,
@@ -213,7 +212,7 @@ class _Bent:
         rows, columns = np.mgrid[: lens.ideal.height_px, : lens.ideal.width_px]
         pixels = np.column_stack([columns.ravel(), rows.ravel()]).astype(np.float64)
         at = (pixels + camera.K[:2, 2] - lens.ideal.K[:2, 2]).astype(np.float32)
-        real = np.column_stack(shown(camera, lens, at[:, 0], at[:, 1]))
+        real = np.column_stack(real_pixels(camera, lens, at[:, 0], at[:, 1]))
         size = np.array([camera.width_px, camera.height_px])
         inside = ((real >= -0.5) & (real < size - 0.5)).all(axis=1)
         return _Bent(lens.ideal, pixels[inside], real[inside])

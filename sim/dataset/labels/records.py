@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
-from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND
+from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND, TARGETS
 
 HEAD_POINTS = ("head_centre", "chin")
 HAND_POINTS = (
@@ -25,6 +25,10 @@ KEYPOINTS: tuple[tuple[int, str], ...] = (
     *((HEAD, name) for name in HEAD_POINTS),
     *((RIGHT_HAND, name) for name in HAND_POINTS),
     *((LEFT_HAND, name) for name in HAND_POINTS),
+)
+# Of each target, the index of the keypoint at its centre.
+CENTRE_KEYPOINTS = tuple(
+    KEYPOINTS.index((t, "palm_centre" if t else "head_centre")) for t in range(len(TARGETS))
 )
 # Of a keypoint in a view, as COCO has it.
 NOT_LABELLED, OCCLUDED, VISIBLE = 0, 1, 2

@@ -13,9 +13,9 @@ from reports.pictures.truth_overlay import (
     _COLOURS,
     STRIP_PX,
     draw_outlines,
-    event_words,
     fitting,
     merged_words,
+    script_text,
     thumbnail,
     truth_picture,
     visible_words,
@@ -143,7 +143,7 @@ def test_hidden_and_merged_targets_and_those_behind_are_drawn(tools):
 
 def test_events_are_named_and_merges_are_not_named_twice(tools):
     truth = scene(tools, labels=("reach", "merge:head+left_hand:left_view", "hold:can"))[1]
-    assert event_words(truth) == "reach, hold:can"
+    assert script_text(truth) == "reach, hold:can"
     assert fitting("short", 400) == "short"
     cut = fitting("word " * 60, 400)
     assert cut.endswith("...")

@@ -15,7 +15,7 @@ import pytest
 from pjpdaf.errors import BenchError
 from reports.pictures.truth_overlay import STRIP_PX
 from scenarios.catalogue import pages as gallery
-from scenarios.catalogue.film import difficulty, frame_range, happening, spread, truths
+from scenarios.catalogue.film import difficulty, frame_range, spread, truths
 from scenarios.catalogue.list_text import WIDTH, lines
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario, scenario_names, suite_names
@@ -115,7 +115,7 @@ def test_truths_without_pictures_are_those_of_the_simulation():
                 np.testing.assert_array_equal(a.visible_px, b.visible_px)
                 np.testing.assert_array_equal(a.merged, b.merged)
     assert difficulty(quick[0]) == 0
-    assert not [name for name in happening(quick[1]) if "merge" in name]
+    assert not [name for name in quick[1].script_events if "merge" in name]
 
 
 def test_a_film_has_every_frame_with_its_truth(tmp_path):

@@ -12,7 +12,7 @@ from reports.run.load import load
 from reports.run.save import RunInfo, save, save_slim
 from scenarios.execute.episodes import play_all
 from scenarios.play.play import Job, System
-from scenarios.play.targets import parts_of
+from scenarios.play.targets import expand_target
 from scenarios.run.compare import FILES, CompareRequest, compare_runs, sentence, verdict_table
 from scenarios.run.margins import load_margins, read_margins
 
@@ -26,7 +26,7 @@ SYSTEMS = {
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
     folder = tmp_path_factory.mktemp("compare")
-    (part,) = parts_of("cross")
+    (part,) = expand_target("cross")
     jobs = [
         Job(part.scenario, seed, {"frames": 8}, system)
         for system in SYSTEMS.values()
@@ -109,7 +109,7 @@ def test_a_run_against_itself_says_so(runs, tmp_path, capsys):
 
 
 def test_unlike_runs_are_exit_code_4_and_write_nothing(runs, tmp_path):
-    (part,) = parts_of("cross")
+    (part,) = expand_target("cross")
     rows = play_all([Job(part.scenario, 100, {"frames": 7}, System())], 1).rows
     save(tmp_path / "short", rows, RunInfo("short"))
     with pytest.raises(NotComparable, match="lacks 2 of 3 episodes") as caught:

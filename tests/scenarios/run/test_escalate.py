@@ -9,6 +9,7 @@ from reports.gate.gate import compare
 from reports.gate.pairing import NotComparable
 from reports.run.load import load
 from scenarios.execute.episodes import play_all
+from scenarios.play.plan import PlanRequest, plan
 from scenarios.play.play import digest_of
 from scenarios.run.compare import CompareRequest, compare_runs
 from scenarios.run.escalate import (
@@ -25,22 +26,11 @@ from scenarios.run.escalate import (
     reserve_jobs,
     same_episode,
 )
-from scenarios.run.run import RunRequest, plan, record
+from scenarios.run.save_run import save_run
 
 
 def asked(*settings, targets=("cross",), seeds=2, first_seed=100):
-    return RunRequest(
-        targets=targets,
-        seeds=seeds,
-        preset="thesis",
-        detector="thesis",
-        tracker="thesis",
-        settings=("frames=8", *settings),
-        jobs=None,
-        out=None,
-        argv=(),
-        first_seed=first_seed,
-    )
+    return PlanRequest(targets, seeds, first_seed, settings=("frames=8", *settings))
 
 
 @pytest.fixture(scope="module")
@@ -50,16 +40,14 @@ def runs(tmp_path_factory):
     for name, settings in {"base": (), "new": ("tracker.measurement_px2=1e7",)}.items():
         request = asked(*settings)
         jobs = plan(request)
-        found.append(record(request, jobs, play_all(jobs, 2), folder / name))
+        found.append(save_run(request, jobs, play_all(jobs, 2), folder / name))
     return found
 
 
 def test_a_run_says_all_that_is_needed_to_go_on_with_it(runs):
     for run in runs:
         again = load(run.folder)
-        assert replace(request_of(again), slim=False) == asked(
-            *again.meta["request"]["settings"][1:]
-        )
+        assert request_of(again) == asked(*again.meta["request"]["settings"][1:])
         jobs = planned(again)
         assert [job.seed for job in jobs] == [100, 101]
         assert jobs[0].system.tracker_settings == dict(

@@ -43,7 +43,7 @@ def test_own(pjpdaf_run, assert_no_regression):
 
 
 def test_own_without_a_baseline(assert_no_regression):
-    from reports.run.save import load
+    from reports.run.load import load
     from scenarios.run.pytest_plugin import BenchRun
 
     assert_no_regression(BenchRun("nothing", load(Path("base/test_own"))))

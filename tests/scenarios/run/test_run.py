@@ -1,14 +1,14 @@
 """Whole runs: real pictures, real workers, real files."""
 
+import fcntl
 import hashlib
 import os
 import signal
 import subprocess
-import sys
-import time
-from pathlib import Path
+import termios
 
 import pytest
+from commands import ENVIRONMENT, LIMIT_S, command, pending, started, wait_until
 
 from pjpdaf.errors import BenchError
 from reports.run.load import load
@@ -16,14 +16,14 @@ from scenarios.execute.episodes import play_all
 from scenarios.play.play import Job, System
 from scenarios.spec.names import load_scenario
 
-ROOT = Path(__file__).parents[3]
 TABLES = ("frames.parquet", "episodes.parquet", "events.parquet")
 
 
-def bench(*words, **kwargs):
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, "-m", "scenarios", *map(str, words)]
-    return subprocess.run(command, env=env, capture_output=True, text=True, check=False, **kwargs)
+def bench(*words, **options):
+    words = command(*words)
+    return subprocess.run(
+        words, env=ENVIRONMENT, capture_output=True, text=True, check=False, **options
+    )
 
 
 def hashes(run):
@@ -64,26 +64,97 @@ def test_calm_table_is_tracked(tmp_path):
     assert saved.events.empty
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupted_run_keeps_what_is_finished(tmp_path, number):
-    command = [sys.executable, "-m", "scenarios", "run", "calm_table", "--seeds", "40"]
-    command += ["--set", "frames=3", "--jobs", "2", "--out", str(tmp_path / "r")]
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
-    process = subprocess.Popen(
-        command, env=env, stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
-    time.sleep(12)
-    if number == signal.SIGINT:
-        os.killpg(process.pid, number)  # Ctrl-C reaches all processes of a terminal
-    else:
+# A tracker whose third episode does not end, in a command whose saving waits until GO is there.
+WAITING = """
+import multiprocessing, sys, time
+from pathlib import Path
+from pjpdaf.tracker.filter import PJPDAF
+
+HERE = Path(__file__).parent
+PLAYED = []
+
+def wait_for(name):
+    while not (HERE / name).exists():
+        time.sleep(0.01)
+
+def hook(event, arguments):
+    if event == "os.mkdir" and ".r.part-" in str(arguments[0]):
+        (HERE / "saving").touch()
+        wait_for("go")
+
+class Waits:
+    def __init__(self, cameras): self.inner = PJPDAF(cameras)
+    def start(self, seen):
+        PLAYED.append(1)
+        if len(PLAYED) == 3:
+            (HERE / "third").touch()
+            wait_for("never")
+        return self.inner.start(seen)
+    def step(self, state, seen, dt_s): return self.inner.step(state, seen, dt_s)
+    def estimates(self, state): return self.inner.estimates(state)
+    def predict(self, state, dt_s): return self.inner.predict(state, dt_s)
+
+if multiprocessing.parent_process() is None:
+    sys.addaudithook(hook)
+"""
+
+
+def waiting_run(folder, **options):
+    """`run` in its third episode, on one worker."""
+    (folder / "waiting_plug_in.py").write_text(WAITING)
+    words = ("run", "calm_table", "--seeds", "40", "--set", "frames=2", "--jobs", "1")
+    words += ("--tracker", "waiting_plug_in:Waits", "--out", "r")
+    process = started(*words, cwd=folder, **options)
+    wait_until((folder / "third").exists, process)
+    return process
+
+
+def assert_two_episodes_are_saved(run):
+    saved = load(run)
+    assert not saved.meta["complete"]
+    assert len(saved.episodes) // 3 == 2
+
+
+@pytest.mark.parametrize(
+    ("number", "second"),
+    [(signal.SIGINT, signal.SIGTERM), (signal.SIGTERM, None), (signal.SIGHUP, signal.SIGINT)],
+)
+def test_an_interrupted_run_keeps_what_is_finished(tmp_path, number, second):
+    process = waiting_run(tmp_path)
+    if number == signal.SIGTERM:
         process.send_signal(number)
-    _, said = process.communicate(timeout=60)
+    else:
+        os.killpg(process.pid, number)  # of a terminal; reaches all its processes
+    wait_until((tmp_path / "saving").exists, process)
+    if second is not None:
+        process.send_signal(second)
+        wait_until(lambda: not pending(process.pid), process)
+    (tmp_path / "go").touch()
+    _, said = process.communicate(timeout=LIMIT_S)
     assert "Traceback" not in said
     assert process.returncode == 130, said
-    saved = load(tmp_path / "r")
-    assert not saved.meta["complete"]
-    assert 0 < len(saved.episodes) // 3 < 40
-    assert f"{len(saved.episodes) // 3} of 40" in said
+    assert_two_episodes_are_saved(tmp_path / "r")
+    assert "interrupted: 2 of 40 episodes are in the saved run" in said
+    assert (tmp_path / "r" / "report.html").is_file()
+
+
+def test_a_run_in_a_terminal_that_is_closed_keeps_what_is_finished(tmp_path):
+    ours, theirs = os.openpty()
+    (tmp_path / "go").touch()
+    # Its controlling terminal: what hangs up when our end of it is closed.
+    process = waiting_run(
+        tmp_path,
+        stdin=theirs,
+        stdout=theirs,
+        stderr=theirs,
+        preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+    )
+    os.close(theirs)
+    os.close(ours)
+    process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 130
+    assert_two_episodes_are_saved(tmp_path / "r")
+    assert (tmp_path / "r" / "report.html").is_file()
 
 
 PLUG_INS = """

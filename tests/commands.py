@@ -1,0 +1,38 @@
+"""The command in processes of its own that get real signals, and waiting for what they do."""
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
+LIMIT_S = 300.0  # for a slow machine; nothing takes that long where all is well
+
+
+def command(*words):
+    """The command line of `pjpdaf-bench WORDS`."""
+    return [sys.executable, "-m", "scenarios", *map(str, words)]
+
+
+def started(*words, **options):
+    """`pjpdaf-bench WORDS` in a session of its own, its standard error in a pipe."""
+    options = {"stderr": subprocess.PIPE, "stdout": subprocess.DEVNULL, "text": True, **options}
+    return subprocess.Popen(command(*words), env=ENVIRONMENT, start_new_session=True, **options)
+
+
+def wait_until(condition, process=None, limit_s=LIMIT_S):
+    """The first true value of `condition()`; fails where the process ends before."""
+    end = time.monotonic() + limit_s
+    while not (value := condition()):
+        assert process is None or process.poll() is None, process.communicate()
+        assert time.monotonic() < end, condition
+        time.sleep(0.02)
+    return value
+
+
+def pending(pid):
+    """Whether a process has signals that it has not received yet."""
+    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    return any(int(x.split()[1], 16) for x in lines if x.startswith(("SigPnd", "ShdPnd")))
