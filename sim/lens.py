@@ -113,9 +113,8 @@ def check(camera: Camera) -> None:
     too_strong = f"lens distortion {tuple(camera.distortion.tolist())} is too strong to render"
     size = np.ptp(ideal, axis=0)
     if not np.all(size <= LARGEST * np.array([width, height])):
-        raise ValueError(
-            f"{message}the ideal picture would have {size[0]:.0f} x {size[1]:.0f} pixels"
-        )
+        pixels = f"{size[0]:.0f} x {size[1]:.0f} pixels"
+        raise ValueError(f"{too_strong}: the ideal picture would have {pixels}")
     middle = camera.K[:2, 2]
     outwards = np.linspace(0.0, 1.0, OUTWARD_STEPS)[:, None, None]
     shown = distort_points(camera, (middle + outwards * (ideal - middle)).reshape(-1, 2))
