@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
 import pickle
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
@@ -71,3 +73,10 @@ def _restored(kind: type[E], arguments: tuple[Any, ...], fields: dict[str, Any])
     error.args = arguments
     error.__dict__.update(fields)
     return error
+
+
+def did_you_mean(name: str, known: Collection[str]) -> str:
+    """' Did you mean ...? Known: ...' for the end of an error message."""
+    near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+    hint = f" Did you mean {near[0]!r}?" if near else ""
+    return f"{hint} Known: {', '.join(sorted(known))}."

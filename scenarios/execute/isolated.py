@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from pjpdaf.errors import BenchError
 from pjpdaf.plugins.conformance import cameras_in_front
 from pjpdaf.plugins.registry import make_detector, make_tracker
-from pjpdaf.presets.parameters import PRESETS
+from pjpdaf.presets.registry import PRESETS
 from sim.processes import Answer, WorkerPool
 
 BUILD_LIMIT_S = 120.0  # imports of large libraries included

@@ -16,7 +16,7 @@ from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detector, Tracker
 from pjpdaf.plugins.checked import CheckedDetector, CheckedTracker
 from pjpdaf.plugins.registry import make_detector, make_tracker
-from pjpdaf.presets.parameters import PRESETS
+from pjpdaf.presets.registry import PRESETS
 from pjpdaf.tracker.filter import PJPDAF
 from reports.pictures.overlay import overlay_jpeg
 from reports.pictures.stills import still

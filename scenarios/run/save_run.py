@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from pjpdaf.presets.parameters import PRESETS, find_preset, override
+from pjpdaf.presets.flat import flat_values
+from pjpdaf.presets.override import override
+from pjpdaf.presets.registry import PRESETS, find_preset
 from reports.run.load import SavedRun, load
 from reports.run.save import RunInfo, save, save_slim
 from scenarios.execute.episodes import Played
@@ -72,10 +74,10 @@ def parameters_in_force(request: PlanRequest) -> dict[str, object]:
     parameters: dict[str, object] = {}
     if request.detector in PRESETS:
         changed = override(find_preset(request.detector), settings.detector)
-        parameters["detector"] = asdict(changed.detector)
+        parameters["detector"] = flat_values(changed.detector)
     if request.tracker in PRESETS:
         changed = override(find_preset(request.tracker), settings.tracker)
-        parameters["tracker"] = asdict(changed.tracker)
+        parameters["tracker"] = flat_values(changed.tracker)
     return parameters
 
 

@@ -29,13 +29,13 @@ from sim.dataset.check.files import (
     tree_of,
 )
 from sim.dataset.check.sequence import SequenceVerdict, check_sequence
+from sim.dataset.files.conventions import conventions
 from sim.dataset.files.layout import (
     CONVENTIONS,
     KIND,
     LABELS,
     MANIFEST,
     SCHEMA_VERSION,
-    conventions,
     is_sequence_name,
 )
 from sim.dataset.files.reading import read_json

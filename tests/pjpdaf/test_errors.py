@@ -11,7 +11,7 @@ import reports
 import scenarios
 import sim
 from pjpdaf.errors import BenchError, InfrastructureError, PlugInFault
-from pjpdaf.presets.parameters import UnknownPreset
+from pjpdaf.presets.registry import UnknownPreset
 from scenarios.spec.faults import FileFault
 from scenarios.spec.names import UnknownName
 

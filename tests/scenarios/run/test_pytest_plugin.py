@@ -72,7 +72,8 @@ def test_a_run_is_played_and_held_against_its_baseline(folder):
     size = sum(p.stat().st_size for p in (folder / "base" / "test_runs").iterdir())
     assert size < 60_000
     (folder / "mine.py").write_text(
-        "from pjpdaf.presets.parameters import find_preset, override\n"
+        "from pjpdaf.presets.override import override\n"
+        "from pjpdaf.presets.registry import find_preset\n"
         "from pjpdaf.tracker.filter import PJPDAF\n"
         "def make(cameras):\n"
         "    changed = override(find_preset('thesis'), {'measurement_px2': '1e7'})\n"

@@ -26,7 +26,8 @@ from sim.dataset.check.frame.mask_geometry import measured, merged
 from sim.dataset.export import coco, mot
 from sim.dataset.files import encode
 from sim.dataset.files.checksums import sha256_of, text_of
-from sim.dataset.files.layout import CHECKSUMS, LABELS, conventions
+from sim.dataset.files.conventions import conventions
+from sim.dataset.files.layout import CHECKSUMS, LABELS
 from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
 from sim.dataset.files.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA
 from sim.dataset.reader import open_dataset
