@@ -14,6 +14,7 @@ from pjpdaf.arrays import Floats
 from pjpdaf.errors import BenchError, InfrastructureError
 from reports.gate.pairing import check_comparable, episode_values, notes_of, same_results
 from reports.gate.statistics import Difference, clustered_bootstrap, holm, mcnemar, sign_flip
+from reports.run.failures import failures_of
 from reports.run.load import SavedRun
 from reports.score.gospa import CUT_OFF_M
 
@@ -223,8 +224,8 @@ def _check_yardstick(base: SavedRun, known: np.ndarray) -> None:
     absent = int((~known).sum())
     # Seeds that cannot be posed fail in both; they are no fault of the machine.
     rows = base.episodes[base.episodes["failure"] != ""]
-    broken = rows[~rows["failure"].str.startswith("cannot be posed")]
-    if absent == len(known) or len(broken) / 3 > BUDGET * len(known):
+    broken = [failure for failure in failures_of(base) if failure.kind != "unposable"]
+    if absent == len(known) or len(broken) > BUDGET * len(known):
         first = rows.iloc[0]
         raise InfrastructureError(
             f"{base.folder}: {absent} of {len(known)} episodes have no result, the first: "
