@@ -17,17 +17,8 @@ from pjpdaf.targets import TARGETS
 from reports.dataset import colours as look
 from reports.dataset.svg_bars import histogram_svg, words_of
 from sim.dataset.croissant import CITATION, NAME, versions_of
-from sim.dataset.files.layout import (
-    CALIBRATION,
-    CARD,
-    EVENTS,
-    LABELS,
-    OBJECTS,
-    RECIPE,
-    RIG,
-    TRUTH,
-    conventions,
-)
+from sim.dataset.files.conventions import conventions
+from sim.dataset.files.layout import CALIBRATION, CARD, EVENTS, LABELS, OBJECTS, RECIPE, RIG, TRUTH
 from sim.dataset.raytruth import RayFigures, lines_of
 from sim.dataset.reader import Dataset
 from sim.dataset.statistics import Statistics

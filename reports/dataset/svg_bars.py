@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Sequence
 from html import escape
 
-from sim.dataset.statistics import Histogram, shares
+from sim.dataset.histograms import Histogram, shares
 
 WIDTH, _LINE, _TOP, _BAR = 460, 21, 34, 190
 _LEFT = 128

@@ -18,7 +18,7 @@ from sim.contact.contact import Unposable
 from sim.dataset.files.checksums import files_below
 from sim.dataset.writer import Written, write_sequence
 from sim.files import disk_faults
-from sim.processes import Answer, Lost, Workers
+from sim.processes import Answer, Lost, WorkerPool
 from sim.sequence import Simulation
 
 TIME_LIMIT_S = 24 * 3600.0  # of one sequence; no code of the user runs in it
@@ -42,7 +42,7 @@ def library_versions() -> dict[str, str]:
 
 
 def make_sequences(
-    pool: Workers, tasks: Mapping[int, SequenceTask], on_poll: Callable[[int, int], None]
+    pool: WorkerPool, tasks: Mapping[int, SequenceTask], on_poll: Callable[[int, int], None]
 ) -> list[Written]:
     """Make the sequences in the pool's workers.
 

@@ -35,3 +35,12 @@ def read_settings(pairs: Sequence[str]) -> Settings:
             raise BenchError(f"--set {key}: given twice")
         changed[name] = value
     return settings
+
+
+def read_scenario_settings(pairs: Sequence[str]) -> dict[str, str]:
+    """Read `KEY=VALUE` of a scenario alone. Raises BenchError for a detector's or a tracker's."""
+    settings = read_settings(pairs)
+    for role, changed in (("detector", settings.detector), ("tracker", settings.tracker)):
+        for key in changed:
+            raise BenchError(f"--set {role}.{key}: a scenario has no {role}")
+    return settings.scenario

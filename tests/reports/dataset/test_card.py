@@ -17,10 +17,11 @@ from ruamel.yaml import YAML
 from pjpdaf.errors import BenchError
 from reports.dataset.card import TASKS, card_text, sample_jpeg, without_paths, write_card
 from reports.dataset.svg_bars import bars_svg, bin_names
-from sim.dataset.files.layout import conventions
+from sim.dataset.files.conventions import conventions
+from sim.dataset.histograms import BINS
 from sim.dataset.raytruth import RayFigures, lines_of
 from sim.dataset.reader import open_dataset
-from sim.dataset.statistics import BINS, statistics_of
+from sim.dataset.statistics import statistics_of
 
 
 @pytest.fixture(scope="module")
