@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,10 +12,11 @@ import cv2
 import numpy as np
 from rich.console import Console
 
+from pjpdaf.arrays import Image
 from pjpdaf.errors import BenchError, InfrastructureError
 from reports.pictures.contact_sheet import contact_sheet
-from reports.pictures.film import Film, film_suffix
-from reports.pictures.overlay import Image
+from reports.pictures.encode import png_of
+from reports.pictures.film import FilmWriter, film_suffix
 from reports.pictures.truth_overlay import truth_picture
 from scenarios.console.interrupts import unwritten_if_interrupted
 from scenarios.console.progress import progress_bar
@@ -170,7 +172,7 @@ def _film(performance: Performance, indices: range, part: Path, title: str) -> N
     with (
         progress_bar(console) as progress,
         Simulation(performance) as simulation,
-        Film(part.parent, part.stem, performance.fps) as film,
+        closing(FilmWriter(part.parent, part.stem, performance.fps)) as film,
     ):
         for index in progress.track(indices, description="filming"):
             film.add(drawn(simulation.render(index), simulation, title))
@@ -191,8 +193,7 @@ def _sheet(performance: Performance, indices: range, part: Path, title: str) -> 
             height = round(picture.shape[0] * SHEET_WIDTH_PX / picture.shape[1])
             small = cv2.resize(picture, (SHEET_WIDTH_PX, height), interpolation=cv2.INTER_AREA)
             pictures.append(np.asarray(small, dtype=np.uint8))
-    done, png = cv2.imencode(PNG, contact_sheet(pictures, SHEET_COLUMNS))
-    assert done, "OpenCV always encodes a uint8 BGR picture"
+    png = png_of(contact_sheet(pictures, SHEET_COLUMNS))
     with disk_faults(part, "the sheet"):
-        part.write_bytes(bytes(png))
+        part.write_bytes(png)
     return chosen

@@ -10,16 +10,17 @@ from pathlib import Path
 
 from rich.console import Console
 
+from pjpdaf.arrays import Image
 from pjpdaf.errors import BenchError, InfrastructureError
-from reports.pictures.contact_sheet import (
-    Card,
+from reports.page.catalogue import (
     Catalogue,
+    ScenarioCard,
     SuiteCard,
     catalogue_markdown,
     catalogue_page,
-    small_jpeg,
 )
-from reports.pictures.overlay import LETTERS, Image
+from reports.pictures.contact_sheet import small_jpeg
+from reports.pictures.overlay import LETTERS
 from reports.pictures.truth_overlay import merged_words, thumbnail
 from scenarios.catalogue.film import difficulty, labels_of, truths
 from scenarios.console.interrupts import interrupts, unwritten_if_interrupted
@@ -214,7 +215,7 @@ def _catalogue(
     scenarios: Sequence[Scenario], images: Sequence[Image], pictures: Sequence[Picture]
 ) -> Catalogue:
     cards = [
-        Card(
+        ScenarioCard(
             name=scenario.name,
             group=scenario.group,
             summary=scenario.summary,

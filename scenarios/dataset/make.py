@@ -21,7 +21,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.plugins.registry import described
 from reports.run.provenance import PACKAGES, provenance
-from reports.summary.tables import count
+from reports.summary.text import count
 from scenarios.console.folder import written_whole
 from scenarios.console.interrupts import Interrupted, interrupts
 from scenarios.dataset.finish import write_exports, write_text, write_top

@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 
 from pjpdaf.errors import BenchError, InfrastructureError
-from reports.summary.tables import count
+from reports.summary.text import count
 from scenarios.console.interrupts import interrupts
 from scenarios.console.progress import progress_bar
 from scenarios.play.recipe import performance_of

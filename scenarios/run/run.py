@@ -20,7 +20,8 @@ from reports.page.page import write_page
 from reports.run.load import SavedRun, load
 from reports.run.rows import EpisodeRows
 from reports.run.save import RunInfo, check_free, save, save_slim
-from reports.summary.tables import count, rich_table, summarise
+from reports.summary.tables import rich_table, summarise
+from reports.summary.text import count
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
 from scenarios.console.progress import progress_bar
 from scenarios.execute.episodes import EPISODE_TIME_LIMIT_S, Played, play_all
