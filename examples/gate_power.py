@@ -30,8 +30,9 @@ from reports.run.load import SavedRun, load
 from reports.run.rows import EpisodeRows, rows_of
 from reports.run.save import RunInfo, save
 from reports.score.records import EpisodeFailure
+from scenarios.play.plan import PlanRequest, plan
 from scenarios.play.play import Job, System, digest_of, play_footage
-from scenarios.run.run import RunRequest, entry_of, plan
+from scenarios.run.save_run import scenario_record
 from scenarios.spec.draw import perform
 from sim.sequence import Simulation
 
@@ -394,7 +395,7 @@ def play_one(job: Job, film: Kept, change: System | Callable[[Kept], Kept]) -> E
 
 
 def jobs_of(suite: str, seeds: int) -> list[Job]:
-    request = RunRequest((suite,), seeds, PRESET, PRESET, PRESET, (), None, None, ())
+    request = PlanRequest((suite,), seeds, detector=PRESET, tracker=PRESET)
     # A scenario of two suites is another episode in each.
     return [replace(job, label=f"{suite}.{job.name}", keep_pictures=False) for job in plan(request)]
 
@@ -418,7 +419,7 @@ def main() -> None:
             for name, row in rows.items():
                 played[name].append(row)
             sys.stderr.write(f"\r{n} of {len(jobs)} episodes")
-    entries = {job.name: entry_of(job) for job in jobs}
+    entries = {job.name: scenario_record(job) for job in jobs}
     runs = {
         name: load(save(words.out / f"{n:02d}", rows, RunInfo(name, entries=entries)))
         for n, (name, rows) in enumerate(played.items())

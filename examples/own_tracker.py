@@ -4,8 +4,7 @@ import numpy as np
 
 from pjpdaf.camera import project, triangulate
 from pjpdaf.interfaces import Estimates
-from pjpdaf.presets.parameters import TrackerParameters
-from pjpdaf.tracker.start import find_head_and_hands
+from pjpdaf.tracker.start import StartParameters, find_head_and_hands
 
 
 class NearestBlob:
@@ -13,7 +12,7 @@ class NearestBlob:
         self.cameras, self.reach_px = cameras, reach_px
 
     def start(self, seen):
-        places = find_head_and_hands(self.cameras, seen, TrackerParameters())
+        places = find_head_and_hands(self.cameras, seen, StartParameters())
         return None if places is None else (places, ("tracked",) * 3)
 
     def step(self, state, seen, dt_s):

@@ -11,19 +11,15 @@ from pathlib import Path
 from typing import Any, cast
 
 from pjpdaf.camera import Camera
-from pjpdaf.errors import BenchError
+from pjpdaf.detector.parameters import DetectorParameters
+from pjpdaf.errors import BenchError, did_you_mean
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import AnyTracker, Detector
-from pjpdaf.presets.parameters import (
-    PRESETS,
-    DetectorParameters,
-    TrackerParameters,
-    did_you_mean,
-    field_names,
-    find_preset,
-    override,
-)
+from pjpdaf.presets.flat import flat_names
+from pjpdaf.presets.override import override
+from pjpdaf.presets.registry import PRESETS, find_preset
 from pjpdaf.tracker.filter import PJPDAF
+from pjpdaf.tracker.parameters import TrackerParameters
 
 DETECTORS = "pjpdaf_bench.detectors"
 TRACKERS = "pjpdaf_bench.trackers"
@@ -67,12 +63,12 @@ def make_tracker(
 ) -> AnyTracker:
     """A tracker: a preset's, an entry point of the group TRACKERS, or 'module:factory'.
 
-    overrides: KEY=VALUE for a preset (see `parameters.override`); keys of the detector are
+    overrides: KEY=VALUE for a preset (see `presets.override`); keys of the detector are
     checked and left to `make_detector`. Raises BenchError.
     """
     if name in PRESETS:
         return PJPDAF(cameras, override(find_preset(name), overrides or {}).tracker)
-    _refuse_overrides("tracker", name, overrides, field_names(TrackerParameters))
+    _refuse_overrides("tracker", name, overrides, flat_names(TrackerParameters))
     part = _build("tracker", TRACKERS, name, cameras, ("start", "step", "estimates", "predict"))
     return cast(AnyTracker, part)
 
@@ -96,7 +92,7 @@ def make_detector(
             cameras, override(find_preset(name), overrides or {}).detector
         )
     else:
-        _refuse_overrides("detector", name, overrides, field_names(DetectorParameters))
+        _refuse_overrides("detector", name, overrides, flat_names(DetectorParameters))
         detector = cast(
             Detector, _build("detector", DETECTORS, name, cameras, ("learn", "__call__"))
         )

@@ -10,9 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pjpdaf.arrays import Floats
-
-Bools = NDArray[np.bool_]
+from pjpdaf.arrays import Bools, Floats
 
 # One cluster of overlapping gates costs measurements * 2^targets * targets in time and memory.
 LARGEST_CLUSTER = 20

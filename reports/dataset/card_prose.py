@@ -9,9 +9,7 @@ from pathlib import Path
 from reports.dataset.card_tables import escaped
 from reports.summary.text import count
 from sim.dataset.croissant import CITATION, NAME, versions_of
-from sim.dataset.files.layout import (
-    conventions,
-)
+from sim.dataset.files.conventions import conventions
 from sim.dataset.raytruth import RayFigures, lines_of
 from sim.dataset.reader import Dataset
 from sim.dataset.statistics import Statistics

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Sequence
 
 from reports.page.bars import counted_bars
-from sim.dataset.statistics import Histogram, shares
+from sim.dataset.histograms import Histogram, shares
 
 
 def histogram_svg(histogram: Histogram) -> str:

@@ -72,7 +72,8 @@ def _metric_row(judged: MetricVerdict) -> str:
     difference = f"{number(judged.difference.mean, '+')} ({interval_text(judged)})"
     return (
         f"| {judged.metric.name} | {number(judged.base)} | {number(judged.new)} | "
-        f"{difference}{unit_text(judged.metric)} | {judged.metric.margin:g} | {SYMBOLS[judged.verdict]} {outcome_text(judged)} |"
+        f"{difference}{unit_text(judged.metric)} | {judged.metric.margin:g} | "
+        f"{SYMBOLS[judged.verdict]} {outcome_text(judged)} |"
     )
 
 

@@ -16,7 +16,7 @@ from reports.dataset.sequence_view import SequenceView, sequence_views
 from reports.dataset.sheet import dataset_sheet
 from reports.pictures.encode import png_of
 from reports.summary.text import count
-from scenarios.catalogue.film import spread
+from scenarios.catalogue.frame_choice import representative_frames
 from scenarios.console.interrupts import unwritten_if_interrupted
 from scenarios.console.progress import progress_bar
 from sim.dataset.reader import Dataset, open_dataset
@@ -113,13 +113,13 @@ def _write_sheet(sequences: Sequence[StoredSequence], path: Path, alone: bool) -
     rows: list[tuple[StoredSequence, list[int]]]
     if alone:
         (one,) = sequences
-        chosen = spread(one.truths, ROW_FRAMES * ALONE_ROWS)
+        chosen = representative_frames(one.truths, ROW_FRAMES * ALONE_ROWS)
         starts = range(0, len(chosen), ROW_FRAMES)
         rows = [(one, chosen[start : start + ROW_FRAMES]) for start in starts]
     else:
         places = np.linspace(0, len(sequences) - 1, min(MOST_ROWS, len(sequences)))
         picked = [sequences[i] for i in places.round().astype(int).tolist()]
-        rows = [(one, spread(one.truths, ROW_FRAMES)) for one in picked]
+        rows = [(one, representative_frames(one.truths, ROW_FRAMES)) for one in picked]
     with written_whole_file(path, "the sheet") as part, disk_faults(path, "the sheet"):
         part.write_bytes(png_of(dataset_sheet(rows)))
     shown = len({one.name for one, _ in rows})

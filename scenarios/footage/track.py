@@ -16,13 +16,16 @@ from rich.console import Console
 
 from pjpdaf.calibration import read_rig
 from pjpdaf.camera import StereoRig, undistort_picture
-from pjpdaf.detector.detector import SkinDetector, with_skin
+from pjpdaf.detector.detector import SkinDetector
 from pjpdaf.detector.skin import SkinRange, learn_skin_from_head, learn_skin_range
+from pjpdaf.detector.undistortion import UndistortPicture
 from pjpdaf.errors import BenchError
 from pjpdaf.follow import follow
 from pjpdaf.interfaces import AnyTracker, Detector
 from pjpdaf.plugins.registry import make_detector, make_tracker
-from pjpdaf.presets.parameters import PRESETS, find_preset, override, with_values
+from pjpdaf.presets.flat import flat_values
+from pjpdaf.presets.override import override, with_values
+from pjpdaf.presets.registry import PRESETS, find_preset
 from pjpdaf.sources import (
     FOLDER_RATE_HZ,
     Video,
@@ -42,7 +45,8 @@ from reports.run.provenance import provenance
 from scenarios.console.folder import written_whole
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
 from scenarios.console.progress import progress_bar
-from scenarios.run.run import find_plug_ins_here, read_settings
+from scenarios.execute.isolated import allow_plug_ins_from_here
+from scenarios.play.settings import read_settings
 
 UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 HEAD = "head"  # as --skin-sample: learn from the head in the first frames
@@ -133,7 +137,7 @@ def track(request: TrackRequest) -> None:
 
 def plan_of(request: TrackRequest, say: Callable[[str], None]) -> Plan:
     """Everything that can be wrong is found here. Raises BenchError."""
-    find_plug_ins_here(request.detector, request.tracker)
+    allow_plug_ins_from_here(request.detector, request.tracker)
     settings = read_settings(request.settings)
     for key in settings.scenario:
         raise BenchError(f"--set {key}: footage has only detector.NAME and tracker.NAME to change")
@@ -155,10 +159,10 @@ def plan_of(request: TrackRequest, say: Callable[[str], None]) -> Plan:
     parameters: dict[str, Any] = {"detector": request.detector, "tracker": request.tracker}
     if request.detector in PRESETS:
         chosen = override(find_preset(request.detector), detector_settings).detector
-        parameters |= {f"detector.{key}": value for key, value in asdict(chosen).items()}
+        parameters |= {f"detector.{key}": value for key, value in flat_values(chosen).items()}
     if request.tracker in PRESETS:
         used = override(find_preset(request.tracker), settings.tracker).tracker
-        parameters |= {f"tracker.{key}": value for key, value in asdict(used).items()}
+        parameters |= {f"tracker.{key}": value for key, value in flat_values(used).items()}
     changed = {f"detector.{key}" for key in detector_settings}
     changed |= {f"tracker.{key}" for key in settings.tracker}
     left = open_source(request.left)
@@ -232,16 +236,7 @@ def _skin(sample: Path | None) -> dict[str, Any]:
         skin = learn_skin_range(picture)
     except BenchError as fault:
         raise fault.reworded(f"{sample}: {fault}") from None
-    return skin_values(skin)
-
-
-def skin_values(skin: SkinRange) -> dict[str, Any]:
-    """A skin range as parameters of the detector."""
-    return {
-        "hue_range_deg": skin.hue_deg,
-        "saturation_range": skin.saturation,
-        "value_min": skin.value_min,
-    }
+    return asdict(skin)
 
 
 def _learnt(plan: Plan, say: Callable[[str], None]) -> Plan:
@@ -251,7 +246,7 @@ def _learnt(plan: Plan, say: Callable[[str], None]) -> Plan:
         return dataclasses.replace(plan, detector=detector)
     if not isinstance(detector, SkinDetector):
         raise BenchError(f"--skin-sample {HEAD} is of the presets' detector; give a picture.")
-    values = skin_values(_skin_of_head(plan, detector))
+    values = asdict(_skin_of_head(plan, detector))
     given = read_settings(plan.request.settings).detector
     values = {key: value for key, value in values.items() if key not in given}
     parameters = with_values(detector.parameters, values)
@@ -269,10 +264,9 @@ def _skin_of_head(plan: Plan, detector: SkinDetector) -> SkinRange:
     request = plan.request
     start = request.background_first or 0
     frames = stereo_frames(request.left, request.right, plan.rate_hz, plan.sizes_px)
-    broad = dataclasses.replace(
-        detector, parameters=with_skin(detector.parameters, BROAD_SKIN), keep_masks=True
-    )
-    whole = detector.parameters.undistort == "picture"
+    wide = dataclasses.replace(detector.parameters, skin=BROAD_SKIN)
+    broad = dataclasses.replace(detector, parameters=wide, keep_masks=True)
+    whole = isinstance(detector.parameters.undistort, UndistortPicture)
     pictures, masks = [], []
     for frame in itertools.islice(frames, start, start + HEAD_FRAMES):
         for camera, picture, seen in zip(

@@ -10,7 +10,7 @@ from pjpdaf.errors import BenchError
 from pjpdaf.plugins.registry import make_detector, make_tracker
 from scenarios.play.play import Job, System
 from scenarios.play.recipe import read_recipe
-from scenarios.spec.parameters import nearest
+from scenarios.spec.suggestion import did_you_mean
 from sim.dataset.reader import Dataset, open_dataset
 from sim.dataset.stored_sequence import StoredSequence
 
@@ -53,7 +53,7 @@ def jobs_of(
     names = list(dict.fromkeys(job.name for job in jobs))
     for name in only:
         if name not in names:
-            hint = nearest(name, names) or ";"
+            hint = did_you_mean(name, names) or ";"
             raise BenchError(f"--only {name}: not in it{hint} there are: {', '.join(names)}")
     check_once(dataset, ((job.name, job.seed) for job in jobs))
     jobs = [job for job in jobs if job.name in only or not only]

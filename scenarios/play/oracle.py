@@ -22,7 +22,8 @@ from pjpdaf.camera import Camera, undistort_points
 from pjpdaf.follow import follow
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import AnyTracker, Detections, Estimates
-from pjpdaf.tracker.filter import PJPDAF, TrackState
+from pjpdaf.tracker.filter import PJPDAF
+from pjpdaf.tracker.state import TrackState
 from reports.score.records import Episode
 from sim.truth import Truth, ViewTruth
 

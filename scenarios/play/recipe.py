@@ -13,7 +13,7 @@ from pjpdaf.errors import BenchError
 from scenarios.play.play import Job, System, digest_of
 from scenarios.spec.draw import concrete, perform
 from scenarios.spec.names import load_scenario, scenario_names
-from scenarios.spec.parameters import File, FileText, file_named
+from scenarios.spec.parameters.file import File, FileText, file_named
 from scenarios.spec.scenario import Scenario, digest
 from sim.dataset.files.layout import DEFAULT_LABELS, LABELS
 from sim.motion.stage import Value

@@ -90,8 +90,8 @@ def _escalated(
 ) -> tuple[Verdict, str]:
     """The verdict with as many reserve seeds as it takes, or why these cannot be played here."""
     # Late: to play takes many imports that comparing does not need.
+    from scenarios.execute.local import local_executor, worker_count
     from scenarios.run.escalate import LOOKS, CannotEscalate, escalate
-    from scenarios.run.run import worker_count
 
     workers = worker_count(jobs)
     first = compare(base, new, margins, looks=LOOKS)
@@ -101,6 +101,7 @@ def _escalated(
         interrupts() as arrived,
         arrived.raising(),
         progress_bar(Console(stderr=True)) as progress,
+        local_executor(workers) as executor,
     ):
 
         def on_round(number: int, episodes: int) -> Callable[[EpisodeRows], None]:
@@ -109,7 +110,7 @@ def _escalated(
 
         try:
             here = provenance()
-            return escalate(base, new, margins, workers, folder, on_round, here), ""
+            return escalate(base, new, margins, executor, folder, on_round, here), ""
         except CannotEscalate as fault:
             return first, str(fault)
 

@@ -21,7 +21,7 @@ from pjpdaf.arrays import Floats
 from pjpdaf.errors import BenchError
 from pjpdaf.interfaces import STATUSES
 from pjpdaf.targets import TARGETS
-from scenarios.spec.parameters import nearest
+from scenarios.spec.suggestion import did_you_mean
 from sim.dataset.files.layout import is_sequence_name
 
 POSITION = ("x_m", "y_m", "z_m")
@@ -67,7 +67,7 @@ def read_tracks(path: Path, frame_counts: Mapping[str, int]) -> dict[str, Tracks
     for where, row in _rows(path, needed):
         name = row.get("sequence", only)
         if name not in builders:
-            hint = nearest(str(name), builders) or f"; there are {_listed(list(builders))}"
+            hint = did_you_mean(str(name), builders) or f"; there are {_listed(list(builders))}"
             raise BenchError(f"{where}: no sequence {str(name)[:60]!r} in the data set{hint}")
         builders[name].add(where, row)
     return {name: one.tracks() for name, one in builders.items() if one.rows}

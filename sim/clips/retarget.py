@@ -17,8 +17,10 @@ from scipy.ndimage import gaussian_filter1d
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
 from sim.clips.clips import Clip
-from sim.motion.motion import Carriage, elbow_floor, posture, table_of
+from sim.motion.carriage import Carriage
+from sim.motion.motion import elbow_floor, table_of
 from sim.motion.planner import curled
+from sim.motion.posture import posture
 from sim.motion.strokes import HandState, minimum_jerk, quaternion_of
 from sim.person.kinematics import (
     OUTWARD,

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sim.contact.contact import height_above_table
+from sim.motion.carriage import Carriage, CarriageMotion
 from sim.motion.curves import sweep
-from sim.motion.motion import Carriage, CarriageMotion, Cue, HandMotion, MotionPlan
+from sim.motion.motion import Cue, HandMotion, MotionPlan
 from sim.motion.planner import curled, raised
 from sim.motion.stage import Stage
 from sim.motion.strokes import HandPath, HandState, between, quaternion_of

@@ -11,8 +11,8 @@ import reports
 import scenarios
 import sim
 from pjpdaf.errors import BenchError, InfrastructureError, PlugInFault
-from pjpdaf.presets.parameters import UnknownPreset
-from scenarios.spec.loader import FileFault
+from pjpdaf.presets.registry import UnknownPreset
+from scenarios.spec.faults import FileFault
 from scenarios.spec.names import UnknownName
 
 LINE = "the picture is 3x2 px; give a larger one"

@@ -21,10 +21,11 @@ from reports.dataset.card_sample import sample_jpeg
 from reports.dataset.card_tables import TASKS
 from reports.dataset.histograms import bin_names
 from reports.page.bars import counted_bars
-from sim.dataset.files.layout import conventions
+from sim.dataset.files.conventions import conventions
+from sim.dataset.histograms import BINS
 from sim.dataset.raytruth import RayFigures, lines_of
 from sim.dataset.reader import open_dataset
-from sim.dataset.statistics import BINS, statistics_of
+from sim.dataset.statistics import statistics_of
 
 
 @pytest.fixture(scope="module")

@@ -3,41 +3,11 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from command import ROOT, assert_one_line, bench, in_this_process
 
-from scenarios.cli.main import main
 from scenarios.spec.names import scenario_names
-
-COMMAND = (sys.executable, "-m", "scenarios")
-ROOT = Path(__file__).parents[3]
-
-
-def bench(*words, cwd=ROOT, **environment):
-    env = {k: v for k, v in os.environ.items() if k != "MUJOCO_GL"} | environment
-    env["PYTHONPATH"] = str(ROOT)
-    return subprocess.run(
-        [*COMMAND, *map(str, words)], cwd=cwd, env=env, capture_output=True, text=True, check=False
-    )
-
-
-def in_this_process(monkeypatch, capsys, *words):
-    """The same without the two seconds in which a new process loads everything."""
-    monkeypatch.setattr(sys, "argv", ["pjpdaf-bench", *map(str, words)])
-    with pytest.raises(SystemExit) as end:
-        main()
-    said = capsys.readouterr()
-    return subprocess.CompletedProcess(words, end.value.code, said.out, said.err)
-
-
-def assert_one_line(done, code, *fragments):
-    assert done.returncode == code, done.stderr
-    assert "Traceback" not in done.stderr
-    lines = done.stderr.strip().splitlines()
-    assert len(lines) == 1, done.stderr
-    for fragment in fragments:
-        assert fragment in lines[0], lines[0]
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from reports.run.schema import METRICS_VERSION
 from scenarios.play.suite_lock import faults, main, read_lock, shipped_stamps, stamp, updated
 from scenarios.spec.loader import parse
 from scenarios.spec.names import load_suite, suite_names
-from scenarios.spec.scenario import Suite
+from scenarios.spec.suite import Suite
 
 SUITES = Path(__file__).parents[3] / "scenarios" / "suites"
 

@@ -14,14 +14,15 @@ from hypothesis import strategies as st
 from pjpdaf.errors import BenchError
 from scenarios.spec.loader import (
     MAX_BYTES,
-    json_schema,
     load_either_file,
     load_scenario_file,
     load_suite_file,
     parse,
 )
 from scenarios.spec.names import scenario_names
-from scenarios.spec.scenario import Scenario, Suite
+from scenarios.spec.scenario import Scenario
+from scenarios.spec.schema import json_schema
+from scenarios.spec.suite import Suite
 from sim.families.registry import FAMILIES
 
 GOOD = """\

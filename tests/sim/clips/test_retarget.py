@@ -15,7 +15,7 @@ from sim.clips.clip_files import load_clip
 from sim.clips.clips import JOINTS, Clip, clip_of, mirrored
 from sim.clips.retarget import retarget
 from sim.families.recorded import ClipClock
-from sim.motion.motion import posture
+from sim.motion.posture import posture
 from sim.person.kinematics import shoulders
 from sim.pose import SIDES
 from sim.specs import SceneSpec

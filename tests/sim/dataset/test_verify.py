@@ -5,6 +5,7 @@ find it by themselves.
 """
 
 import json
+import multiprocessing
 import re
 import shutil
 
@@ -19,13 +20,14 @@ from pjpdaf.errors import BenchError
 from scenarios.play.recipe import sized
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
-from sim.dataset.check.exports import run_lengths
+from sim.dataset.check.exports.run_lengths import run_lengths
 from sim.dataset.check.fault import Fault
-from sim.dataset.check.masks import measured, merged
+from sim.dataset.check.frame.mask_geometry import measured, merged
 from sim.dataset.export import coco, mot
 from sim.dataset.files import encode
 from sim.dataset.files.checksums import sha256_of, text_of
-from sim.dataset.files.layout import CHECKSUMS, LABELS, conventions
+from sim.dataset.files.conventions import conventions
+from sim.dataset.files.layout import CHECKSUMS, LABELS
 from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
 from sim.dataset.files.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA
 from sim.dataset.reader import open_dataset
@@ -192,6 +194,24 @@ def test_worker_processes_find_the_same(copies):
     assert verify(copies, jobs=2, sums=False) == verify(copies, sums=False)
 
 
+def test_workers_that_are_killed_are_replaced_and_the_verdict_is_complete(copies):
+    (copies / SEQ / "right" / "000003.png").unlink()
+    wanted = verify(copies, sums=False)
+    others, names, killed = set(multiprocessing.active_children()), [], []
+
+    def kill_all_once(name):
+        """While the other worker is checking another sequence."""
+        names.append(name)
+        if not killed:
+            killed.extend(set(multiprocessing.active_children()) - others)
+            for worker in killed:
+                worker.kill()
+
+    assert verify(copies, jobs=2, sums=False, on_sequence=kill_all_once) == wanted
+    assert len(killed) == 2
+    assert names == ["seq_000000", "seq_000001", "seq_000002"]
+
+
 def test_a_flipped_byte_is_named(copy):
     path = copy / SEQ / "left" / "000002.png"
     data = bytearray(path.read_bytes())
@@ -199,7 +219,7 @@ def test_a_flipped_byte_is_named(copy):
     path.write_bytes(data)
     faults = verify(copy)
     assert files(faults) == [f"{SEQ}/left/000002.png"]
-    assert any("SHA-256" in fault.what for fault in faults)
+    assert any("SHA-256" in fault.text for fault in faults)
 
 
 def test_a_damaged_picture_is_named_without_its_checksum(copy):
@@ -266,7 +286,7 @@ def test_a_link_is_named_and_not_followed(copy, tmp_path):
     path.symlink_to(outside)
     faults = verify(copy)
     assert files(faults) == [f"{SEQ}/left/000001.png"]
-    assert any("link" in fault.what for fault in faults)
+    assert any("link" in fault.text for fault in faults)
 
 
 def test_exchanged_eyes_are_named(copies):
@@ -285,7 +305,7 @@ def test_one_exchanged_pair_is_named(copy):
     exchange(copy / SEQ / "left" / "000004.png", copy / SEQ / "right" / "000004.png")
     faults = found(copy)
     assert files(faults) == [f"{SEQ}/left/000004.png", f"{SEQ}/right/000004.png"]
-    assert faults[0].what == "is a picture of the right camera"
+    assert faults[0].text == "is a picture of the right camera"
 
 
 def test_exchanged_backgrounds_are_named(copy):
@@ -325,7 +345,7 @@ def test_a_wrong_baseline_in_the_calibration_is_named(copy, folder):
     edit_yml(path, "T", 0, 1e-4)
     faults = found(copy)
     assert files(faults) == [f"{SEQ}/{folder}/extrinsics.yml"]
-    assert any(fault.what.startswith("T differs from") for fault in faults)
+    assert any(fault.text.startswith("T differs from") for fault in faults)
 
 
 @pytest.mark.parametrize(
@@ -353,7 +373,7 @@ def test_a_wrong_baseline_of_the_rig_is_named(copies):
         write_rig(sequence.rig, copies / name / "calib" / "error_free")
     faults = found(copies)
     assert [f"{name}/rig.json" for name in names[:2]] == files(faults)[:2]
-    assert all("px off" in fault.what for fault in faults if fault.file.endswith("rig.json"))
+    assert all("px off" in fault.text for fault in faults if fault.file.endswith("rig.json"))
     # With shutter skew it cannot be told by keypoints; the disparity does not fit the depth then.
     assert any(file.startswith(names[2]) for file in files(faults))
 
@@ -381,8 +401,8 @@ def test_boxes_that_count_from_1_are_named(copy):
 
     edit_rows(copy, move)
     faults = [fault for fault in found(copy) if fault.file == f"{SEQ}/truth.parquet"]
-    assert any("box of right_hand, left view" in fault.what for fault in faults)
-    assert all("in 4 more frames" in fault.what for fault in faults)
+    assert any("box of right_hand, left view" in fault.text for fault in faults)
+    assert all("in 4 more frames" in fault.text for fault in faults)
 
 
 def test_coco_boxes_that_count_from_1_are_named(copy):
@@ -395,7 +415,7 @@ def test_coco_boxes_that_count_from_1_are_named(copy):
     edit_json(path, move)
     faults = found(copy)
     assert files(faults) == ["annotations/instances_right.json"]
-    assert all(fault.what.startswith("bbox") for fault in faults)
+    assert all(fault.text.startswith("bbox") for fault in faults)
 
 
 @pytest.mark.parametrize("kind", ["area", "segmentation", "visible_fraction", "lost"])
@@ -421,7 +441,7 @@ def test_mot_boxes_that_count_from_0_are_named(copy):
     path.write_text("".join(f"{f},{i},{int(x) - 1},{','.join(r)}\n" for f, i, x, *r in lines))
     faults = found(copy)
     assert files(faults) == [f"mot/{SEQ}-left/gt/gt.txt"]
-    assert "counted from 1" in faults[0].what
+    assert "counted from 1" in faults[0].text
 
 
 @pytest.mark.parametrize("name", ["gt/gt.txt", "gt/gt_3d.txt", "seqinfo.ini"])
@@ -544,7 +564,7 @@ def test_events_that_did_not_happen_or_are_missing_are_named(copy):
     edit_json(copy / SEQ / "events.json", damage)
     faults = found(copy)
     assert files(faults) == [f"{SEQ}/events.json"]
-    kinds = {fault.what.partition(":")[0] for fault in faults}
+    kinds = {fault.text.partition(":")[0] for fault in faults}
     assert kinds == {"merges", "ambiguous", "script"}
 
 
@@ -619,9 +639,9 @@ def test_no_damage_to_any_file_is_raised(copy):
 
 
 def test_a_folder_that_is_no_data_set_is_refused(tmp_path):
-    with pytest.raises(BenchError, match="is no data set"):
+    with pytest.raises(BenchError, match="is not a data set"):
         verify(tmp_path)
-    with pytest.raises(BenchError, match="is no folder"):
+    with pytest.raises(BenchError, match="not a folder"):
         verify(tmp_path / "nothing")
 
 

@@ -174,7 +174,7 @@ def test_the_ladder_of_rates_plays_the_motion_of_natural_table(seeds):
     assert ladder.rates == (1, 2, 3, 5, 10, 15, 30)
     assert ladder.frames / ladder.fps == 10.0
     assert ladder.parameters == natural.parameters
-    assert (ladder.family, ladder.motion) == (natural.family, natural.motion)
+    assert (ladder.stream, ladder.motion) == (natural.stream, natural.motion)
     for seed in seeds:
         assert concrete(ladder, seed) == concrete(natural, seed)
 

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from pjpdaf.detector.skin import SkinRange, skin_mask, to_hsv
-from pjpdaf.presets.parameters import DetectorParameters
+from pjpdaf.detector.parameters import DetectorParameters
+from pjpdaf.detector.skin import skin_mask, to_hsv
 from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND
 from scenarios.spec.draw import concrete, perform
 from scenarios.spec.names import load_scenario
@@ -65,8 +65,7 @@ def pixels_of(view, world, word):
 
 
 def skin(picture):
-    p = DetectorParameters()
-    found = SkinRange(p.hue_range_deg, p.saturation_range, p.value_min)
+    found = DetectorParameters().skin
     return skin_mask(to_hsv(picture), found) > 0
 
 

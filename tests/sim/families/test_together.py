@@ -10,7 +10,7 @@ import pytest
 from scenarios.spec.draw import concrete, perform
 from scenarios.spec.names import load_scenario
 from sim.contact.contact import penetration
-from sim.families.together import Tempo
+from sim.families.cyclic import Tempo
 from sim.sequence import Simulation
 
 NAMES = ("merge_and_hold", "clap", "roll_forearms", "pass_object")

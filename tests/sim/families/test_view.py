@@ -13,7 +13,7 @@ from pjpdaf.targets import HEAD
 from scenarios.spec.draw import concrete, perform
 from scenarios.spec.names import load_scenario
 from sim.camera.render import StereoRenderer
-from sim.families import view as family
+from sim.families import leave_view as family
 from sim.labels import view_truth
 from sim.motion.measure import fault_of
 from sim.scene.rig import stereo_rig

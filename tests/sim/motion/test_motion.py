@@ -11,7 +11,7 @@ import pytest
 from scenarios.spec.draw import concrete, perform
 from scenarios.spec.names import load_scenario
 from sim.contact.contact import penetration
-from sim.motion.motion import posture
+from sim.motion.posture import posture
 from sim.motion.strokes import HandState
 from sim.person.kinematics import MAX_WRIST_BEND_RAD
 from sim.pose import Pose

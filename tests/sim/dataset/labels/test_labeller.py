@@ -14,8 +14,8 @@ from sim.camera.rays import cast
 from sim.dataset.labels.instances import FIRST_OBJECT, PERSON
 from sim.dataset.labels.labeller import Labeller
 from sim.dataset.labels.records import KEYPOINTS, NO_SURFACE, NOT_LABELLED, OCCLUDED, SEEN, VISIBLE
-from sim.dataset.labels.stereo import shown
 from sim.labels import centres, velocities
+from sim.lens import real_pixels
 from sim.person.rest import rest_pose
 from sim.pose import Transform
 from sim.script import Performance
@@ -210,7 +210,7 @@ def by_rays(simulation, view, target):
     geoms, _ = cast(world, ideal, pixels, (world.amodal_groups[target],))
     own = pixels[np.append(world.targets, -1)[geoms] == target]
     at = (own + camera.K[:2, 2] - ideal.K[:2, 2]).astype(np.float32)
-    x, y = shown(camera, lens, at[:, 0], at[:, 1])
+    x, y = real_pixels(camera, lens, at[:, 0], at[:, 1])
     inside = (x >= -0.5) & (x < camera.width_px - 0.5)
     inside &= (y >= -0.5) & (y < camera.height_px - 0.5)
     return 1 - inside.mean()
