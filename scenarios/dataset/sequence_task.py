@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pjpdaf.errors import BenchError, InfrastructureError
-from pjpdaf.plugins.registry import described
+from pjpdaf.plugins.registry import describe_exception
 from reports.run.provenance import PACKAGES, provenance
 from scenarios.dataset.folder import locked
 from scenarios.dataset.sequence_plan import sequence_entry
@@ -77,7 +77,7 @@ def _make_sequence(task: SequenceTask) -> Written | BenchError:
     except Unposable as fault:
         return BenchError(f"{task.final.name}: cannot be posed: {fault}; leave out this seed")
     except Exception as fault:
-        return InfrastructureError(f"{task.final.name}: {described(fault)}")
+        return InfrastructureError(f"{task.final.name}: {describe_exception(fault)}")
     finally:
         shutil.rmtree(part, ignore_errors=True)
 

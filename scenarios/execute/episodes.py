@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from pjpdaf.errors import BenchError, PlugInFault
-from pjpdaf.plugins.registry import described
+from pjpdaf.plugins.registry import describe_exception
 from reports.run.films import films_to_keep
 from reports.run.rows import EpisodeRows, rows_of
 from reports.score.records import EpisodeFailure, FailureKind
@@ -42,7 +42,7 @@ def _play_safely(job: Job) -> EpisodeRows | BenchError:
         return _failure(job, "plug-in", str(fault))
     except (Exception, SystemExit, KeyboardInterrupt) as fault:
         # Of a plug-in, too: Ctrl-C does not reach a worker, and nothing of ours exits here.
-        return _failure(job, "exception", described(fault))
+        return _failure(job, "exception", describe_exception(fault))
 
 
 def play_all(

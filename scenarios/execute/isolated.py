@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from pjpdaf.errors import BenchError
-from pjpdaf.plugins.conformance import cameras_in_front
 from pjpdaf.plugins.registry import make_detector, make_tracker
+from pjpdaf.plugins.scenes import cameras_in_front
 from pjpdaf.presets.registry import PRESETS
 from sim.processes import Answer, WorkerPool
 

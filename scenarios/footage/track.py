@@ -7,6 +7,7 @@ import functools
 import itertools
 import json
 from collections.abc import Callable, Mapping
+from contextlib import closing
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -33,10 +34,12 @@ from pjpdaf.sources import (
     read_picture,
     stereo_frames,
 )
-from reports.footage.track_page import TrackFacts, TrackRecord, status_table, track_page
+from reports.footage.status_table import status_table
+from reports.footage.track_page import TrackInfo, track_page
+from reports.footage.track_record import TrackRecord
 from reports.footage.tracks import TrackWriter
-from reports.page.page import write_text
-from reports.pictures.film import Film
+from reports.page.templating import write_text
+from reports.pictures.film import FilmWriter
 from reports.pictures.overlay import encode_jpeg, overlay_picture
 from reports.run.provenance import provenance
 from scenarios.console.folder import written_whole
@@ -310,7 +313,10 @@ def _follow(
         task = progress.add_task("tracking", total=plan.total)
         footage = stereo_frames(request.left, request.right, plan.rate_hz, plan.sizes_px, say)
         frames = itertools.takewhile(lambda _: not arrived.arrived, footage)
-        with TrackWriter(part, cameras) as tracks, Film(part, "overlay", plan.rate_hz) as film:
+        with (
+            closing(TrackWriter(part, cameras)) as tracks,
+            closing(FilmWriter(part, "overlay", plan.rate_hz)) as film,
+        ):
             try:
                 for step in follow(frames, plan.detector, plan.tracker):
                     frame, detections, estimates = step.frame, step.detections, step.estimates
@@ -328,14 +334,14 @@ def _follow(
     return record, film.path, ended_by
 
 
-def _facts(plan: Plan, film: Path | None, complete: bool) -> TrackFacts:
+def _facts(plan: Plan, film: Path | None, complete: bool) -> TrackInfo:
     request = plan.request
     background = (
         f"the first {request.background_first} frames"
         if request.background_first is not None
         else f"{request.background_left} and {request.background_right}"
     )
-    return TrackFacts(
+    return TrackInfo(
         title=f"Tracks: {request.out.absolute().name}",
         complete=complete,
         film=film,
@@ -353,7 +359,7 @@ def _facts(plan: Plan, film: Path | None, complete: bool) -> TrackFacts:
     )
 
 
-def _write_json(path: Path, plan: Plan, record: TrackRecord, facts: TrackFacts) -> None:
+def _write_json(path: Path, plan: Plan, record: TrackRecord, facts: TrackInfo) -> None:
     content = {
         "kind": "pjpdaf-bench track",
         "complete": facts.complete,
@@ -361,7 +367,7 @@ def _write_json(path: Path, plan: Plan, record: TrackRecord, facts: TrackFacts) 
         "rate_hz": plan.rate_hz,
         "missing_pictures": record.missing_pictures,
         "first_tracked_frame": record.first_frame,
-        "targets": {line.target: dict(line.frames) for line in record.lines()},
+        "targets": {line.target: dict(line.frames) for line in record.summaries()},
         "sources": dict(facts.sources),
         "parameters": dict(plan.parameters),
         "changed": sorted(plan.changed),

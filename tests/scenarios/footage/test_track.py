@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import closing
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -22,7 +23,7 @@ from pjpdaf.camera import StereoRig, distort_points, project, to_camera
 from pjpdaf.interfaces import Estimates
 from pjpdaf.targets import TARGETS
 from reports.footage.tracks import COLUMNS, track_rows
-from reports.pictures.film import Film
+from reports.pictures.film import FilmWriter
 from scenarios.console.folder import written_whole
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
@@ -442,7 +443,7 @@ def test_film_with_and_without_the_extra(tmp_path, monkeypatch, extra):
         pytest.importorskip("av")
     else:
         monkeypatch.setitem(sys.modules, "av", None)
-    with Film(tmp_path, "film", 3.0) as film:
+    with closing(FilmWriter(tmp_path, "film", 3.0)) as film:
         for i in range(5):
             film.add(np.full((101, 203, 3), 40 * i, np.uint8))
     assert film.path == tmp_path / ("film.mp4" if extra else "film.webm")
