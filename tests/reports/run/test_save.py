@@ -62,8 +62,6 @@ def test_provenance_and_checksums_are_recorded(run):
     assert meta["scenarios"][1]["seeds"] == [0, 1, 2, 3]
     failure = {"seed": 3, "reason": "timed out", "kind": "exception"}
     assert meta["scenarios"][1]["failures"] == [failure]
-        {"seed": 3, "reason": "timed out", "kind": "exception"}
-    ]
     assert set(FILES) < set(meta["files"])
     assert len(meta["pictures"]) == 6
     assert meta["complete"] is True
