@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from pjpdaf.errors import BenchError
+from scenarios.play.job import digest_of
 from scenarios.play.ladder import rungs_of
 from scenarios.play.plan import PlanRequest, plan
-from scenarios.play.play import digest_of
 from scenarios.play.recipe import Recipe, Settings
 from scenarios.spec.draw import setting_of
 from scenarios.spec.names import scenario_names, suite_names

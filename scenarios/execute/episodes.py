@@ -11,7 +11,8 @@ from reports.run.films import films_to_keep
 from reports.run.rows import EpisodeRows, rows_of
 from reports.score.records import EpisodeFailure, FailureKind
 from scenarios.execute.executor import Executor
-from scenarios.play.play import Job, digest_of, play
+from scenarios.play.job import Job, digest_of
+from scenarios.play.play import play_complete
 from sim.contact.contact import Unposable
 from sim.processes import Answer, Lost
 
@@ -33,7 +34,7 @@ class Played:
 def _play_safely(job: Job) -> EpisodeRows | BenchError:
     """`play`, with what a user can put right returned, and any other fault as a failed episode."""
     try:
-        return rows_of(play(job))
+        return rows_of(play_complete(job))
     except Unposable as fault:
         return _failure(job, "unposable", f"cannot be posed: {fault}")
     except BenchError as fault:

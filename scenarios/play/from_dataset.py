@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pjpdaf.errors import BenchError
 from pjpdaf.plugins.registry import make_detector, make_tracker
-from scenarios.play.play import Job, System
+from scenarios.play.job import Job, System
 from scenarios.play.recipe import read_recipe
 from scenarios.spec.suggestion import did_you_mean
 from sim.dataset.reader import Dataset, open_dataset

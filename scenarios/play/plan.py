@@ -10,7 +10,7 @@ from pathlib import Path
 from pjpdaf.errors import BenchError
 from pjpdaf.plugins.registry import make_detector, make_tracker
 from scenarios.play.from_dataset import jobs_of, open_with_sequences
-from scenarios.play.play import Job, System
+from scenarios.play.job import Job, System
 from scenarios.play.settings import Settings, read_settings
 from scenarios.play.targets import PlannedScenario, expand_target
 from scenarios.spec.cameras import rig_of

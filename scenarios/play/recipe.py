@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from pjpdaf.errors import BenchError
-from scenarios.play.play import Job, System, digest_of
+from scenarios.play.job import Job, System, digest_of
 from scenarios.spec.draw import concrete, perform
 from scenarios.spec.names import load_scenario, scenario_names
 from scenarios.spec.parameters.file import File, FileText, file_named

@@ -17,7 +17,7 @@ from typing import Any
 
 from pjpdaf.errors import BenchError
 from reports.run.schema import METRICS_VERSION
-from scenarios.play.play import digest_of
+from scenarios.play.job import digest_of
 from scenarios.play.targets import PlannedScenario, expand_suite
 from scenarios.spec.names import load_suite, suite_names
 from scenarios.spec.suite import Suite

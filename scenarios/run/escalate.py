@@ -22,8 +22,8 @@ from reports.run.tables import tables_of
 from scenarios.execute.episodes import Played, play_all
 from scenarios.execute.executor import Executor
 from scenarios.execute.isolated import allow_plug_ins_from_here
+from scenarios.play.job import Job, digest_of
 from scenarios.play.plan import PlanRequest, plan
-from scenarios.play.play import Job, digest_of
 from scenarios.run.save_run import save_run
 
 FIRST_RESERVE_SEED = 1_000_000

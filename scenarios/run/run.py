@@ -23,8 +23,8 @@ from scenarios.execute.executor import Executor
 from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
 from scenarios.execute.local import local_executor, worker_count
 from scenarios.play.from_dataset import open_with_sequences, renderer_of
+from scenarios.play.job import Job
 from scenarios.play.plan import PlanRequest, plan
-from scenarios.play.play import Job
 from scenarios.run.save_run import save_run
 
 MAX_TIME_LIMIT_S = 86_400.0

@@ -13,8 +13,8 @@ from pjpdaf.presets.registry import PRESETS, find_preset
 from reports.run.load import SavedRun, load
 from reports.run.save import RunInfo, save, save_slim
 from scenarios.execute.episodes import Played
+from scenarios.play.job import Job
 from scenarios.play.plan import PlanRequest
-from scenarios.play.play import Job
 from scenarios.play.settings import read_settings
 from scenarios.play.suite_lock import stamp
 from scenarios.spec.names import resolve

@@ -18,8 +18,8 @@ from pjpdaf.errors import BenchError
 from scenarios.dataset.make import make_dataset as make
 from scenarios.dataset.remake import remake_sequence
 from scenarios.dataset.sequence_plan import MakeRequest
+from scenarios.play.job import Job
 from scenarios.play.ladder import RUNGS
-from scenarios.play.play import Job
 from scenarios.play.recipe import Recipe, Settings, labels_named, read_recipe, size_named
 from scenarios.spec.scenario import digest
 from sim.dataset.files.checksums import read_sums, sha256_of

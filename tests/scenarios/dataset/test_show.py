@@ -10,7 +10,7 @@ from pjpdaf.errors import BenchError, InfrastructureError
 from scenarios.dataset.sequence_plan import sequence_entry
 from scenarios.dataset.sequence_task import write_recipe
 from scenarios.dataset.show import ShowDatasetRequest, show_dataset
-from scenarios.play.play import Job, System
+from scenarios.play.job import Job, System
 from scenarios.play.recipe import Recipe, Settings
 from scenarios.spec.names import load_scenario
 from sim.dataset.files.manifest import manifest_record, write_manifest

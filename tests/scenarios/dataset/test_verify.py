@@ -8,7 +8,7 @@ import pytest
 from pjpdaf.errors import BenchError
 from scenarios.dataset.rays import compare_with_rays
 from scenarios.dataset.verify import VerifyRequest, verify_dataset
-from scenarios.play.play import Job, System
+from scenarios.play.job import Job, System
 from scenarios.play.recipe import Recipe, Settings
 from scenarios.spec.names import load_scenario
 from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest

@@ -9,8 +9,8 @@ from reports.gate.gate import compare
 from reports.gate.pairing import NotComparable
 from reports.run.load import load
 from scenarios.execute.episodes import play_all
+from scenarios.play.job import digest_of
 from scenarios.play.plan import PlanRequest, plan
-from scenarios.play.play import digest_of
 from scenarios.run.compare import CompareRequest, compare_runs
 from scenarios.run.escalate import (
     FIRST_RESERVE_SEED,
