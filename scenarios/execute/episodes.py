@@ -20,7 +20,7 @@ EPISODE_TIME_LIMIT_S = 900.0
 
 
 @dataclass(frozen=True)
-class Played:
+class PlayResults:
     """The results of a list of jobs, in their order; of an interrupted run the finished ones.
 
     renderer: its description, "" where nothing was rendered.
@@ -51,7 +51,7 @@ def play_all(
     executor: Executor,
     on_done: Callable[[EpisodeRows], None] = lambda row: None,
     time_limit_s: float = EPISODE_TIME_LIMIT_S,
-) -> Played:
+) -> PlayResults:
     """Play all jobs on an executor.
 
     A worker that dies is replaced and its episode played again, three times at most; an episode
@@ -76,7 +76,7 @@ def play_all(
             on_done(results[index])
     except KeyboardInterrupt:
         interrupted = True
-    return Played(tuple(results[i] for i in sorted(results)), interrupted, renderer)
+    return PlayResults(tuple(results[i] for i in sorted(results)), interrupted, renderer)
 
 
 def _rows_of_outcome(

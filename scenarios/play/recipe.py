@@ -166,17 +166,17 @@ def read_recipe(record: Mapping[str, Any], folder: Path) -> Recipe:
     )
 
 
-def job_of(record: Mapping[str, Any], folder: Path) -> Job:
+def job_from_recipe(record: Mapping[str, Any], folder: Path) -> Job:
     """The episode of a recipe.json. Raises as `read_recipe`."""
     return read_recipe(record, folder).job
 
 
-def performance_of(record: Mapping[str, Any], folder: Path) -> Performance:
+def performance_from_recipe(record: Mapping[str, Any], folder: Path) -> Performance:
     """The sequence of a recipe.json. Raises as `read_recipe`, and Unposable."""
     return read_recipe(record, folder).performance()
 
 
-def labels_named(words: str) -> tuple[str, ...]:
+def parse_labels(words: str) -> tuple[str, ...]:
     """The labels of a text such as "depth,seg", in the order of LABELS; "all", "none".
 
     Raises BenchError for an unknown one.
@@ -197,7 +197,7 @@ def checked_labels(named: Collection[str], where: str) -> tuple[str, ...]:
     return tuple(name for name in LABELS if name in named)
 
 
-def size_named(words: str) -> tuple[int, int] | None:
+def parse_size(words: str) -> tuple[int, int] | None:
     """Width and height of a text such as "320x240"; None for the scenarios' own size.
 
     Raises BenchError.

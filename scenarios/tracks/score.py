@@ -25,7 +25,12 @@ from reports.summary.tables import rich_table, summarise
 from reports.summary.text import count
 from scenarios.console.folder import default_folder
 from scenarios.console.progress import progress_bar
-from scenarios.play.from_dataset import check_once, job_of, open_with_sequences, renderer_of
+from scenarios.play.from_dataset import (
+    check_once,
+    job_of_sequence,
+    open_with_sequences,
+    renderer_of,
+)
 from scenarios.play.job import digest_of
 from scenarios.play.pictures import PictureChooser
 from scenarios.run.save_run import scenario_record
@@ -109,7 +114,7 @@ def facts_of(sequence: StoredSequence) -> Facts:
     Raises BenchError where the manifest's entry is incomplete.
     """
     try:
-        job = job_of(sequence)
+        job = job_of_sequence(sequence)
     except BenchError as fault:
         # Scores need no scenario: an older data set keeps its worth.
         return replace(_of_manifest(sequence), note=f"{fault} Its drawn values are left out.")

@@ -20,7 +20,7 @@ from scenarios.dataset.remake import remake_sequence
 from scenarios.dataset.sequence_plan import MakeRequest
 from scenarios.play.job import Job
 from scenarios.play.ladder import RUNGS
-from scenarios.play.recipe import Recipe, Settings, labels_named, read_recipe, size_named
+from scenarios.play.recipe import Recipe, Settings, parse_labels, parse_size, read_recipe
 from scenarios.spec.scenario import digest
 from sim.dataset.files.checksums import read_sums, sha256_of
 from sim.dataset.files.reading import read_json
@@ -333,20 +333,20 @@ def test_a_size_changes_the_pictures_and_not_what_is_seen(made, tmp_path):
 @pytest.mark.parametrize("words", ["12", "0x5", "axb", "64x", "64x5000", "-64x64", "1e3x64"])
 def test_a_size_that_is_none_is_one_line(words):
     with pytest.raises(BenchError, match="--size"):
-        size_named(words)
+        parse_size(words)
 
 
 def test_the_size_that_scenarios_have_is_no_change():
-    assert size_named("640x480") is None
-    assert size_named("320x240") == (320, 240)
+    assert parse_size("640x480") is None
+    assert parse_size("320x240") == (320, 240)
 
 
 def test_labels_are_named_in_any_order():
-    assert labels_named("seg,depth") == ("depth", "seg")
-    assert labels_named("none") == ()
-    assert "float" in labels_named("all")
+    assert parse_labels("seg,depth") == ("depth", "seg")
+    assert parse_labels("none") == ()
+    assert "float" in parse_labels("all")
     with pytest.raises(BenchError, match="--labels masks: must be of clean, depth"):
-        labels_named("masks")
+        parse_labels("masks")
 
 
 def test_a_tracker_is_not_part_of_a_data_set(tmp_path):
