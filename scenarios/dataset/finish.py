@@ -16,7 +16,8 @@ from scenarios.dataset.rays import compare_with_rays
 from sim.dataset.croissant import CROISSANT, croissant_record
 from sim.dataset.export.registry import EXPORTS
 from sim.dataset.files.checksums import files_below, read_sums, sha256_of, text_of
-from sim.dataset.files.layout import CALIBRATION, CHECKSUMS, CONVENTIONS, PART, conventions
+from sim.dataset.files.conventions import conventions
+from sim.dataset.files.layout import CALIBRATION, CHECKSUMS, CONVENTIONS, PART
 from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
 from sim.dataset.raytruth import RayFigures
 from sim.dataset.reader import Dataset, open_dataset

@@ -1,4 +1,4 @@
-"""Many episodes: a pool of local worker processes, isolated from each other and from the parent."""
+"""Many episodes, played by an executor."""
 
 from __future__ import annotations
 
@@ -6,22 +6,23 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from pjpdaf.errors import BenchError, PlugInFault
-from pjpdaf.plugins.registry import described
+from pjpdaf.plugins.registry import describe_exception
 from reports.run.films import films_to_keep
 from reports.run.rows import EpisodeRows, rows_of
 from reports.score.records import EpisodeFailure
+from scenarios.execute.executor import Executor
 from scenarios.play.play import Job, digest_of, play
 from sim.contact.contact import Unposable
-from sim.processes import Answer, Lost, Workers
+from sim.processes import Answer, Lost
 
 EPISODE_TIME_LIMIT_S = 900.0
 
 
 @dataclass(frozen=True)
 class Played:
-    """What came of a list of jobs; finished ones only, in the order of the jobs.
+    """The results of a list of jobs, in their order; of an interrupted run the finished ones.
 
-    renderer: "" where nothing was rendered.
+    renderer: its description, "" where nothing was rendered.
     """
 
     rows: tuple[EpisodeRows, ...]
@@ -41,20 +42,20 @@ def _play_safely(job: Job) -> EpisodeRows | BenchError:
         return _failure(job, str(fault))
     except (Exception, SystemExit, KeyboardInterrupt) as fault:
         # Of a plug-in, too: Ctrl-C does not reach a worker, and nothing of ours exits here.
-        return _failure(job, described(fault))
+        return _failure(job, describe_exception(fault))
 
 
 def play_all(
     jobs: Sequence[Job],
-    workers: int,
+    executor: Executor,
     on_done: Callable[[EpisodeRows], None] = lambda row: None,
     time_limit_s: float = EPISODE_TIME_LIMIT_S,
 ) -> Played:
-    """Play all jobs on `workers` processes.
+    """Play all jobs on an executor.
 
     A worker that dies is replaced and its episode played again, three times at most; an episode
     over its time limit, or that raises, becomes a failed episode. Ctrl-C ends the run and keeps
-    what is finished. Neither the rows nor their order depend on `workers`.
+    what is finished. Neither the rows nor their order depend on the executor.
     Raises BenchError (the first in the order of the jobs) where the user's input is at fault.
     OpenGL is needed only where a job is rendered.
     """
@@ -62,23 +63,22 @@ def play_all(
     interrupted = False
     renderer = ""
     try:
-        with Workers(min(workers, len(jobs))) as pool:
-            if any(job.kept is None for job in jobs):
-                renderer = pool.renderer()
-            for found in pool.outcomes(_play_safely, dict(enumerate(jobs)), time_limit_s):
-                if found is None:
-                    continue
-                index, outcome = found
-                results[index] = _outcome(outcome, jobs[index], time_limit_s)
-                if results[index].film:
-                    _drop_films(results)
-                on_done(results[index])
+        if any(job.kept is None for job in jobs):
+            renderer = executor.renderer()
+        for indexed in executor.outcomes(_play_safely, dict(enumerate(jobs)), time_limit_s):
+            if indexed is None:
+                continue
+            index, outcome = indexed
+            results[index] = _rows_of_outcome(outcome, jobs[index], time_limit_s)
+            if results[index].film:
+                _drop_films(results)
+            on_done(results[index])
     except KeyboardInterrupt:
         interrupted = True
     return Played(tuple(results[i] for i in sorted(results)), interrupted, renderer)
 
 
-def _outcome(
+def _rows_of_outcome(
     outcome: Answer[EpisodeRows | BenchError] | Lost, job: Job, time_limit_s: float
 ) -> EpisodeRows:
     """An episode's rows; a failed episode where there is no answer. Raises the user's faults."""

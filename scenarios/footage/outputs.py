@@ -5,21 +5,22 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from reports.footage.track_page import TrackFacts, TrackRecord
-from reports.page.page import write_text
+from reports.footage.track_page import TrackInfo
+from reports.footage.track_record import TrackRecord
+from reports.page.templating import write_text
 from reports.run.provenance import provenance
 from scenarios.footage.session import TrackSession
 
 
-def page_facts(session: TrackSession, film: Path | None, complete: bool) -> TrackFacts:
-    """The facts of a session that its page shows. film: its file, None without one."""
+def page_info(session: TrackSession, film: Path | None, complete: bool) -> TrackInfo:
+    """The description of a session that its page shows. film: its file, None without one."""
     request = session.request
     background = (
         f"the first {request.background_first} frames"
         if request.background_first is not None
         else f"{request.background_left} and {request.background_right}"
     )
-    return TrackFacts(
+    return TrackInfo(
         title=f"Tracks: {request.out.absolute().name}",
         complete=complete,
         film=film,
@@ -37,19 +38,19 @@ def page_facts(session: TrackSession, film: Path | None, complete: bool) -> Trac
     )
 
 
-def write_json(path: Path, session: TrackSession, record: TrackRecord, facts: TrackFacts) -> None:
+def write_json(path: Path, session: TrackSession, record: TrackRecord, info: TrackInfo) -> None:
     """Write track.json: sources, parameters, provenance, and frames by status."""
     content = {
         "kind": "pjpdaf-bench track",
-        "complete": facts.complete,
+        "complete": info.complete,
         "frames": record.frames,
         "rate_hz": session.rate_hz,
         "missing_pictures": record.missing_pictures,
         "first_tracked_frame": record.first_frame,
-        "targets": {line.target: dict(line.frames) for line in record.lines()},
-        "sources": dict(facts.sources),
+        "targets": {summary.target: dict(summary.frames) for summary in record.summaries()},
+        "sources": dict(info.sources),
         "parameters": dict(session.parameters),
         "changed": sorted(session.changed),
-        "provenance": dict(facts.provenance),
+        "provenance": dict(info.provenance),
     }
     write_text(path, json.dumps(content, indent=1, ensure_ascii=False, default=str) + "\n")

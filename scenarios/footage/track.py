@@ -5,22 +5,25 @@ from __future__ import annotations
 import functools
 import itertools
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 from rich.console import Console
 
 from pjpdaf.errors import BenchError
 from pjpdaf.follow import follow
-from reports.footage.track_page import TrackRecord, status_table, track_page
+from reports.footage.status_table import status_table
+from reports.footage.track_page import track_page
+from reports.footage.track_record import TrackRecord
 from reports.footage.tracks import TrackWriter
-from reports.page.page import write_text
-from reports.pictures.film import Film
+from reports.page.templating import write_text
+from reports.pictures.film import FilmWriter
 from reports.pictures.overlay import encode_jpeg, overlay_picture
 from scenarios.console.folder import written_whole
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
 from scenarios.console.progress import progress_bar
 from scenarios.footage.learning import learn_scene
-from scenarios.footage.outputs import page_facts, write_json
+from scenarios.footage.outputs import page_info, write_json
 from scenarios.footage.session import TrackRequest, TrackSession, prepare_session
 
 
@@ -43,9 +46,9 @@ def track(request: TrackRequest) -> None:
                 with console.status("learning the background"):
                     session = learn_scene(session, warn)
                 record, film, fault = _follow(session, part, console, warn, arrived)
-            facts = page_facts(session, film, complete=not arrived.arrived and fault is None)
-            write_text(part / "report.html", track_page(record, facts))
-            write_json(part / "track.json", session, record, facts)
+            info = page_info(session, film, complete=not arrived.arrived and fault is None)
+            write_text(part / "report.html", track_page(record, info))
+            write_json(part / "track.json", session, record, info)
     out = Console()
     out.print(status_table(record))
     for line in (
@@ -80,7 +83,10 @@ def _follow(
     with progress_bar(console) as progress:
         task = progress.add_task("tracking", total=session.total)
         frames = itertools.takewhile(lambda _: not arrived.arrived, session.frames(warn))
-        with TrackWriter(part, cameras) as tracks, Film(part, "overlay", session.rate_hz) as film:
+        with (
+            closing(TrackWriter(part, cameras)) as tracks,
+            closing(FilmWriter(part, "overlay", session.rate_hz)) as film,
+        ):
             try:
                 for step in follow(frames, session.detector, session.tracker):
                     frame, detections, estimates = step.frame, step.detections, step.estimates

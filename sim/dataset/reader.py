@@ -18,7 +18,7 @@ from sim.dataset.stored_sequence import StoredSequence
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
-    """A data set. sequences: the finished ones, in the manifest's order."""
+    """A data set. sequences: those that are finished, in the order of the manifest."""
 
     folder: Path
     manifest: Mapping[str, Any]
@@ -26,15 +26,15 @@ class Dataset:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """What was written beside the pictures and the truth."""
+        """Labels beside the pictures and the truth."""
         return tuple(self.manifest["settings"]["labels"])
 
 
 def open_dataset(folder: Path | str) -> Dataset:
     """Open a data set.
 
-    Raises BenchError where it is none, of a newer version, or lacks a sequence that its manifest
-    names.
+    Raises FileError where the folder is not a data set, of a newer version, or lacks a sequence
+    that its manifest names.
     """
     folder = Path(folder)
     path = folder / MANIFEST

@@ -18,7 +18,7 @@ MAX_TABLE_BYTES = 8 << 30  # unpacked
 
 
 def check_inside(folder: Path, path: Path) -> None:
-    """Raise BenchError unless a path is a plain file in a folder, links followed."""
+    """Raise FileError unless a path is a plain file in a folder, links followed."""
     real = os.path.realpath(path)
     if not Path(real).is_relative_to(os.path.realpath(folder)):
         raise FileError(
@@ -32,7 +32,7 @@ def check_inside(folder: Path, path: Path) -> None:
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """A JSON object. Raises BenchError where it is none."""
+    """Read a JSON object. Raises FileError for anything else."""
     try:
         if path.stat().st_size > MAX_JSON_BYTES:
             raise FileError(path, f"is larger than {MAX_JSON_BYTES >> 20} MiB")
@@ -49,26 +49,27 @@ def read_json(path: Path) -> dict[str, Any]:
 def read_table(
     path: Path, schema: pa.Schema, wanted: str = "", rows: int | None = None
 ) -> pa.Table:
-    """The columns of a schema of a Parquet file, which may have more.
+    """Read the columns of a schema from a Parquet file, which may have more.
 
-    rows: how many it must have; wanted: the same in words. Raises BenchError where it has not.
+    rows: their required number; wanted: the same in words. Raises FileError for a damaged file or
+    another number.
     """
     try:
         with pq.ParquetFile(path) as file:
-            there = file.metadata
-            groups = [there.row_group(i).total_byte_size for i in range(there.num_row_groups)]
-            if there.num_rows > MAX_ROWS or sum(groups) > MAX_TABLE_BYTES:
+            metadata = file.metadata
+            groups = [metadata.row_group(i).total_byte_size for i in range(metadata.num_row_groups)]
+            if metadata.num_rows > MAX_ROWS or sum(groups) > MAX_TABLE_BYTES:
                 raise FileError(
                     path, f"has more than {MAX_ROWS} rows or {MAX_TABLE_BYTES >> 30} GiB"
                 )
             missing = set(schema.names) - set(file.schema_arrow.names)
             if missing:
                 raise FileError(path, f"lacks the columns {', '.join(sorted(missing))}")
-            if rows is not None and there.num_rows != rows:
-                raise FileError(path, f"must have {wanted}, has {there.num_rows}")
+            if rows is not None and metadata.num_rows != rows:
+                raise FileError(path, f"must have {wanted}, has {metadata.num_rows}")
             return file.read(columns=schema.names).select(schema.names).cast(schema)
     except FileNotFoundError as fault:
         raise FileError(path, "is missing") from fault
     except (OSError, KeyError, ValueError, pa.ArrowException) as fault:
-        said = str(fault).partition("\n")[0].rstrip(".")
-        raise FileError(path, f"cannot be read as Parquet: {said}") from fault
+        cause = str(fault).partition("\n")[0].rstrip(".")
+        raise FileError(path, f"cannot be read as Parquet: {cause}") from fault

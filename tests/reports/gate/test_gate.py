@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from pjpdaf.errors import BenchError, InfrastructureError
-from reports.gate.gate import ALPHA, METRICS, compare, replay_command
+from reports.gate.gate import ALPHA, compare
+from reports.gate.metrics import METRICS
 from reports.gate.pairing import (
     CAP_MM,
     WORST_GOSPA_MM,
@@ -13,6 +14,7 @@ from reports.gate.pairing import (
     joined,
     same_results,
 )
+from reports.gate.replay import replay_command
 from reports.run.load import load
 from reports.run.save import RunInfo, save
 from reports.score.records import EpisodeFailure
@@ -345,13 +347,14 @@ def test_no_false_alarm_when_the_two_runs_only_differ_by_chance(runs):
 
 def verdicts(before, after, seed):
     """What `compare` makes of two tables of episode values."""
-    from reports.gate.gate import MetricVerdict, _difference, _word
+    from reports.gate.gate import _difference, _outcome
     from reports.gate.statistics import holm
+    from reports.gate.verdict import MetricVerdict
 
     rng = np.random.default_rng(seed)
     found = [(m, *_difference(m, before, after, rng, ALPHA)) for m in METRICS if not m.counted]
     adjusted = holm([p for _, _, p in found])
     return [
-        _word(MetricVerdict(metric, "pass", 0.0, 0.0, difference, p), ALPHA)
+        _outcome(MetricVerdict(metric, "pass", 0.0, 0.0, difference, p), ALPHA)
         for (metric, difference, _), p in zip(found, adjusted, strict=True)
     ]

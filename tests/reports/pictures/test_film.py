@@ -1,12 +1,13 @@
 """Films with and without the extra `video`."""
 
 import sys
+from contextlib import closing
 
 import cv2
 import numpy as np
 import pytest
 
-from reports.pictures.film import Film
+from reports.pictures.film import FilmWriter
 
 
 @pytest.mark.parametrize("extra", [True, False])
@@ -15,7 +16,7 @@ def test_film_with_and_without_the_extra(tmp_path, monkeypatch, extra):
         pytest.importorskip("av")
     else:
         monkeypatch.setitem(sys.modules, "av", None)
-    with Film(tmp_path, "film", 3.0) as film:
+    with closing(FilmWriter(tmp_path, "film", 3.0)) as film:
         for i in range(5):
             film.add(np.full((101, 203, 3), 40 * i, np.uint8))
     assert film.path == tmp_path / ("film.mp4" if extra else "film.webm")

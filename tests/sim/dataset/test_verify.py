@@ -5,6 +5,7 @@ find it by themselves.
 """
 
 import json
+import multiprocessing
 import re
 import shutil
 
@@ -25,7 +26,8 @@ from sim.dataset.check.frame.mask_geometry import measured, merged
 from sim.dataset.export import coco, mot
 from sim.dataset.files import encode
 from sim.dataset.files.checksums import sha256_of, text_of
-from sim.dataset.files.layout import CHECKSUMS, LABELS, conventions
+from sim.dataset.files.conventions import conventions
+from sim.dataset.files.layout import CHECKSUMS, LABELS
 from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
 from sim.dataset.files.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA
 from sim.dataset.reader import open_dataset
@@ -190,6 +192,24 @@ def test_an_undamaged_data_set_has_no_fault(trio, single):
 def test_worker_processes_find_the_same(copies):
     (copies / SEQ / "right" / "000003.png").unlink()
     assert verify(copies, jobs=2, sums=False) == verify(copies, sums=False)
+
+
+def test_workers_that_are_killed_are_replaced_and_the_verdict_is_complete(copies):
+    (copies / SEQ / "right" / "000003.png").unlink()
+    wanted = verify(copies, sums=False)
+    others, names, killed = set(multiprocessing.active_children()), [], []
+
+    def kill_all_once(name):
+        """While the other worker is checking another sequence."""
+        names.append(name)
+        if not killed:
+            killed.extend(set(multiprocessing.active_children()) - others)
+            for worker in killed:
+                worker.kill()
+
+    assert verify(copies, jobs=2, sums=False, on_sequence=kill_all_once) == wanted
+    assert len(killed) == 2
+    assert names == ["seq_000000", "seq_000001", "seq_000002"]
 
 
 def test_a_flipped_byte_is_named(copy):
