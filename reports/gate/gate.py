@@ -23,6 +23,7 @@ from reports.gate.verdict import (
     Verdict,
     worst_outcome,
 )
+from reports.run.failures import failures_of
 from reports.run.load import SavedRun
 
 ALPHA = 0.05
@@ -101,8 +102,8 @@ def _check_yardstick(base: SavedRun, known: np.ndarray) -> None:
     absent = int((~known).sum())
     # Seeds that cannot be posed fail in both; they are no fault of the machine.
     rows = base.episodes[base.episodes["failure"] != ""]
-    broken = rows[~rows["failure"].str.startswith("cannot be posed")]
-    if absent == len(known) or len(broken) / 3 > BUDGET * len(known):
+    broken = [failure for failure in failures_of(base) if failure.kind != "unposable"]
+    if absent == len(known) or len(broken) > BUDGET * len(known):
         first = rows.iloc[0]
         raise InfrastructureError(
             f"{base.folder}: {absent} of {len(known)} episodes have no result, the first: "

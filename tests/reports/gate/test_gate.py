@@ -160,7 +160,7 @@ def test_another_simulator_or_other_metrics_are_not_compared(runs):
         compare(with_meta(runs["base"], metrics_version=0), runs["again"])
 
 
-def with_failures(run, failed, reason):
+def with_failures(run, failed, reason, kind="exception"):
     """A run in which these episodes gave no result."""
     rows = run.episodes.copy()
     hit = [key in failed for key in zip(rows["scenario"], rows["seed"], strict=True)]
@@ -170,7 +170,19 @@ def with_failures(run, failed, reason):
     rows.loc[hit, "failure"] = reason
     tracking = run.tracking
     gone = [key in failed for key in zip(tracking["scenario"], tracking["seed"], strict=True)]
-    return replace(run, episodes=rows, tracking=tracking[~np.array(gone)])
+    scenarios = [
+        {
+            **scenario,
+            "failures": [
+                {"seed": seed, "reason": reason, "kind": kind}
+                for seed in scenario["seeds"]
+                if (scenario["name"], seed) in failed
+            ],
+        }
+        for scenario in run.meta["scenarios"]
+    ]
+    meta = {**run.meta, "scenarios": scenarios}
+    return replace(run, meta=meta, episodes=rows, tracking=tracking[~np.array(gone)])
 
 
 def test_a_failed_episode_is_saved_and_counts_as_the_worst(episode_of, tools, tmp_path):
@@ -213,7 +225,7 @@ def test_a_base_without_results_is_no_yardstick(runs):
     some = {("calm", k) for k in range(4)}
     with pytest.raises(InfrastructureError, match=r"4 of 24 episodes .* calm seed 0: worker died"):
         compare(with_failures(runs["base"], some, "worker died"), runs["again"])
-    unposable = with_failures(runs["base"], some, "cannot be posed: too far")
+    unposable = with_failures(runs["base"], some, "cannot be posed: too far", "unposable")
     assert compare(unposable, unposable).verdict == "pass"
     with pytest.raises(InfrastructureError, match="24 of 24"):
         compare(with_failures(runs["base"], every, "cannot be posed: too far"), runs["again"])
