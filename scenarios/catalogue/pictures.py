@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 from rich.console import Console
 
+from pjpdaf.arrays import Image
 from pjpdaf.errors import BenchError, InfrastructureError
-from reports.pictures.overlay import LETTERS, Image
+from reports.pictures.overlay import LETTERS
 from reports.pictures.truth_overlay import merged_words, thumbnail
 from scenarios.catalogue.film import target_labels
 from scenarios.catalogue.frame_choice import hardest_frame, truths_without_pictures

@@ -8,7 +8,7 @@ from dataclasses import replace
 from rich.console import Console
 from rich.filesize import decimal
 
-from reports.summary.tables import count
+from reports.summary.text import count
 from scenarios.console.interrupts import Interrupted, interrupts
 from scenarios.dataset.finish import finish_dataset
 from scenarios.dataset.folder import (

@@ -9,7 +9,7 @@ from pjpdaf.errors import BenchError, PlugInFault
 from pjpdaf.plugins.registry import describe_exception
 from reports.run.films import films_to_keep
 from reports.run.rows import EpisodeRows, rows_of
-from reports.score.records import EpisodeFailure
+from reports.score.records import EpisodeFailure, FailureKind
 from scenarios.execute.executor import Executor
 from scenarios.play.play import Job, digest_of, play
 from sim.contact.contact import Unposable
@@ -35,14 +35,14 @@ def _play_safely(job: Job) -> EpisodeRows | BenchError:
     try:
         return rows_of(play(job))
     except Unposable as fault:
-        return _failure(job, f"cannot be posed: {fault}")
+        return _failure(job, "unposable", f"cannot be posed: {fault}")
     except BenchError as fault:
         return fault
     except PlugInFault as fault:
-        return _failure(job, str(fault))
+        return _failure(job, "plug-in", str(fault))
     except (Exception, SystemExit, KeyboardInterrupt) as fault:
         # Of a plug-in, too: Ctrl-C does not reach a worker, and nothing of ours exits here.
-        return _failure(job, describe_exception(fault))
+        return _failure(job, "exception", describe_exception(fault))
 
 
 def play_all(
@@ -85,9 +85,11 @@ def _rows_of_outcome(
     if isinstance(outcome, Lost):
         if outcome.late:
             limit = f"{time_limit_s:.0f} s"
-            return _failure(job, f"not finished within {limit}; --time-limit gives it more")
+            return _failure(
+                job, "time limit", f"not finished within {limit}; --time-limit gives it more"
+            )
         times, code = outcome.attempts, outcome.exit_code
-        return _failure(job, f"its worker died {times} times (exit code {code})")
+        return _failure(job, "worker died", f"its worker died {times} times (exit code {code})")
     if isinstance(outcome.value, BenchError):
         raise outcome.value
     return outcome.value
@@ -101,7 +103,7 @@ def _drop_films(results: dict[int, EpisodeRows]) -> None:
             results[index] = replace(row, film=())
 
 
-def _failure(job: Job, reason: str) -> EpisodeRows:
-    scenario = job.scenario
-    failure = EpisodeFailure(job.name, job.seed, reason, scenario.group, digest_of(job))
-    return rows_of(failure)
+def _failure(job: Job, kind: FailureKind, reason: str) -> EpisodeRows:
+    return rows_of(
+        EpisodeFailure(job.name, job.seed, reason, job.scenario.group, digest_of(job), kind)
+    )

@@ -13,17 +13,12 @@ from rich.table import Table
 from rich.text import Text
 
 from pjpdaf.errors import BenchError
-from reports.gate.formats import (
-    badge_json,
-    interval,
-    junit_xml,
-    markdown,
-    number,
-    unit_of,
-    verdict_json,
-    word,
-)
-from reports.gate.gate import MetricVerdict, Verdict, compare
+from reports.gate.formats import badge_json, verdict_json
+from reports.gate.gate import compare
+from reports.gate.junit import junit_xml
+from reports.gate.markdown import markdown
+from reports.gate.text import interval_text, number, outcome_text, unit_text
+from reports.gate.verdict import MetricVerdict, Verdict
 from reports.run.load import SavedRun, load
 from reports.run.provenance import provenance
 from reports.run.rows import EpisodeRows
@@ -160,17 +155,17 @@ def verdict_table(verdict: Verdict) -> Table:
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
     for judged in verdict.metrics:
-        table.add_row(*_cells(judged), Text(word(judged), style=STYLES[judged.verdict]))
+        table.add_row(*_cells(judged), Text(outcome_text(judged), style=STYLES[judged.verdict]))
     return table
 
 
 def _cells(judged: MetricVerdict) -> tuple[str, ...]:
-    unit = unit_of(judged.metric)
+    unit = unit_text(judged.metric)
     return (
         judged.metric.name,
         number(judged.base) + unit,
         number(judged.new) + unit,
         number(judged.difference.mean, "+"),
-        interval(judged),
+        interval_text(judged),
         f"{judged.metric.margin:g}",
     )

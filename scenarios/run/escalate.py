@@ -12,8 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from pjpdaf.errors import BenchError
-from reports.gate.gate import Verdict, compare, words_of_system
+from reports.gate.gate import compare
 from reports.gate.pairing import joined, measured
+from reports.gate.replay import system_options
+from reports.gate.verdict import Verdict
 from reports.run.load import SavedRun
 from reports.run.rows import EpisodeRows
 from reports.run.tables import tables_of
@@ -95,7 +97,7 @@ def by_hand(new: SavedRun, reason: str) -> str:
     """The one line for runs that cannot be continued here."""
     request = new.meta.get("request")
     seeds = sum(ROUNDS) * max(len(one["seeds"]) for one in new.meta["scenarios"])
-    words = [*request["targets"], *words_of_system(new.meta)] if request else ["..."]
+    words = [*request["targets"], *system_options(new.meta)] if request else ["..."]
     return (
         f"inconclusive, and the reserve cannot be played here: {reason}; play it with each of the "
         f"two versions and compare these runs: pjpdaf-bench run {' '.join(words)} "

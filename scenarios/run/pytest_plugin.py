@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Protocol
 import pytest
 
 if TYPE_CHECKING:
-    from reports.gate.gate import Verdict
+    from reports.gate.verdict import Verdict
     from reports.run.load import SavedRun
     from reports.summary.tables import Summary, SummaryRow
     from scenarios.play.plan import PlanRequest
@@ -172,8 +172,8 @@ def assert_no_regression(request: pytest.FixtureRequest) -> Check:
 
     def check(run: BenchRun, margins: Mapping[str, float] | None = None) -> Verdict:
         from pjpdaf.errors import BenchError
-        from reports.gate.formats import markdown
         from reports.gate.gate import compare
+        from reports.gate.markdown import markdown
         from reports.run.load import load
         from reports.run.save import save_slim
 

@@ -13,7 +13,8 @@ from pjpdaf.errors import BenchError, InfrastructureError
 from reports.page.page import write_page
 from reports.run.rows import EpisodeRows
 from reports.run.save import check_free
-from reports.summary.tables import count, rich_table, summarise
+from reports.summary.tables import rich_table, summarise
+from reports.summary.text import count
 from scenarios.console.folder import default_folder
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
 from scenarios.console.progress import progress_bar
