@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,10 +10,10 @@ import cv2
 import numpy as np
 from rich.console import Console
 
+from pjpdaf.arrays import Image
 from pjpdaf.errors import BenchError, InfrastructureError
 from reports.pictures.contact_sheet import contact_sheet
-from reports.pictures.film import Film, film_suffix
-from reports.pictures.overlay import Image
+from reports.pictures.film import FilmWriter, film_suffix
 from reports.pictures.truth_overlay import truth_picture
 from scenarios.catalogue.frame_choice import representative_frames, truths_without_pictures
 from scenarios.console.interrupts import unwritten_if_interrupted
@@ -109,7 +110,7 @@ def _film(performance: Performance, indices: range, part: Path, title: str) -> N
     with (
         progress_bar(console) as progress,
         Simulation(performance) as simulation,
-        Film(part.parent, part.stem, performance.fps) as film,
+        closing(FilmWriter(part.parent, part.stem, performance.fps)) as film,
     ):
         for index in progress.track(indices, description="filming"):
             film.add(draw_truth(simulation.render(index), simulation, title))

@@ -6,16 +6,16 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from pjpdaf.arrays import Image
 from pjpdaf.errors import BenchError
-from reports.pictures.contact_sheet import (
-    Card,
+from reports.page.catalogue import (
     Catalogue,
+    ScenarioCard,
     SuiteCard,
     catalogue_markdown,
     catalogue_page,
-    small_jpeg,
 )
-from reports.pictures.overlay import Image
+from reports.pictures.contact_sheet import small_jpeg
 from scenarios.catalogue.pictures import ScenarioPicture, draw_scenarios
 from scenarios.console.interrupts import interrupts, unwritten_if_interrupted
 from scenarios.spec.names import load_scenario, load_suite, scenario_names, suite_names
@@ -95,7 +95,7 @@ def _catalogue(
     scenarios: Sequence[Scenario], images: Sequence[Image], pictures: Sequence[ScenarioPicture]
 ) -> Catalogue:
     cards = [
-        Card(
+        ScenarioCard(
             name=scenario.name,
             group=scenario.group,
             summary=scenario.summary,

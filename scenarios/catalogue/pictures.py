@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 from rich.console import Console
 
+from pjpdaf.arrays import Image
 from pjpdaf.errors import BenchError, InfrastructureError
-from reports.pictures.overlay import LETTERS, Image
+from reports.pictures.overlay import LETTERS
 from reports.pictures.truth_overlay import merged_words, thumbnail
 from scenarios.catalogue.film import target_labels
 from scenarios.catalogue.frame_choice import hardest_frame, truths_without_pictures
@@ -16,7 +17,7 @@ from scenarios.console.progress import progress_bar
 from scenarios.spec.draw import perform
 from scenarios.spec.scenario import Scenario
 from sim.contact.contact import Unposable
-from sim.processes import Answer, Lost, Workers
+from sim.processes import Answer, Lost, WorkerPool
 from sim.script import Performance
 from sim.sequence import Simulation
 from sim.truth import Truth, ViewTruth
@@ -40,7 +41,7 @@ def draw_scenarios(scenarios: Sequence[Scenario], workers: int) -> list[Scenario
     """Draw every scenario in worker processes. Raises the BenchError of the first that fails."""
     console = Console(stderr=True)
     pictures: dict[int, ScenarioPicture] = {}
-    with progress_bar(console) as progress, Workers(min(workers, len(scenarios))) as pool:
+    with progress_bar(console) as progress, WorkerPool(min(workers, len(scenarios))) as pool:
         task = progress.add_task("starting", total=len(scenarios))
         pool.renderer()
         for found in pool.outcomes(_draw_or_fault, dict(enumerate(scenarios)), TIME_LIMIT_S):

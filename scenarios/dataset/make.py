@@ -8,7 +8,7 @@ from dataclasses import replace
 from rich.console import Console
 from rich.filesize import decimal
 
-from reports.summary.tables import count
+from reports.summary.text import count
 from scenarios.console.interrupts import Interrupted, interrupts
 from scenarios.dataset.finish import finish_dataset
 from scenarios.dataset.folder import (
@@ -32,7 +32,7 @@ from sim.dataset.files.layout import (
 )
 from sim.dataset.files.manifest import manifest_record, write_manifest
 from sim.files import disk_faults
-from sim.processes import Workers
+from sim.processes import WorkerPool
 
 # A worker is replaced after this many sequences: whatever a driver leaks goes with it.
 SEQUENCES_A_WORKER = 64
@@ -55,7 +55,7 @@ def make_dataset(request: MakeRequest) -> None:
     with only_process(out), interrupts() as arrived, arrived.raising():
         check_same_dataset(out, settings, entries)
         try:
-            with Workers(workers, SEQUENCES_A_WORKER) as pool:
+            with WorkerPool(workers, SEQUENCES_A_WORKER) as pool:
                 made_with = {"renderer": pool.renderer(), "versions": library_versions()}
                 check_same_versions(out, made_with)
                 remove_leftovers(out)

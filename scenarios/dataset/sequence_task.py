@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pjpdaf.errors import BenchError, InfrastructureError
-from pjpdaf.plugins.registry import described
+from pjpdaf.plugins.registry import describe_exception
 from reports.run.provenance import PACKAGES, provenance
 from scenarios.dataset.folder import locked
 from scenarios.dataset.sequence_plan import sequence_entry
@@ -18,7 +18,7 @@ from sim.contact.contact import Unposable
 from sim.dataset.files.checksums import files_below
 from sim.dataset.writer import Written, write_sequence
 from sim.files import disk_faults
-from sim.processes import Answer, Lost, Workers
+from sim.processes import Answer, Lost, WorkerPool
 from sim.sequence import Simulation
 
 TIME_LIMIT_S = 24 * 3600.0  # of one sequence; no code of the user runs in it
@@ -42,7 +42,7 @@ def library_versions() -> dict[str, str]:
 
 
 def make_sequences(
-    pool: Workers, tasks: Mapping[int, SequenceTask], on_poll: Callable[[int, int], None]
+    pool: WorkerPool, tasks: Mapping[int, SequenceTask], on_poll: Callable[[int, int], None]
 ) -> list[Written]:
     """Make the sequences in the pool's workers.
 
@@ -77,7 +77,7 @@ def _make_sequence(task: SequenceTask) -> Written | BenchError:
     except Unposable as fault:
         return BenchError(f"{task.final.name}: cannot be posed: {fault}; leave out this seed")
     except Exception as fault:
-        return InfrastructureError(f"{task.final.name}: {described(fault)}")
+        return InfrastructureError(f"{task.final.name}: {describe_exception(fault)}")
     finally:
         shutil.rmtree(part, ignore_errors=True)
 

@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 
 from pjpdaf.errors import BenchError
-from reports.summary.tables import count
+from reports.summary.text import count
 from scenarios.console.interrupts import interrupts
 from scenarios.console.progress import progress_bar
 from scenarios.dataset.rays import RayComparison, compare_with_rays

@@ -1,10 +1,14 @@
-"""How many worker processes this machine gets."""
+"""The executor on this machine: a pool of worker processes."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from pjpdaf.errors import BenchError
+from scenarios.execute.executor import Executor
+from sim.processes import WorkerPool
 
 
 def worker_count(jobs: int | None) -> int:
@@ -22,3 +26,10 @@ def worker_count(jobs: int | None) -> int:
             f"--jobs must be between 1 and {most}, got {jobs}; this machine has {cores} cores"
         )
     return jobs
+
+
+@contextmanager
+def local_executor(workers: int) -> Iterator[Executor]:
+    """An executor with this many worker processes, which end with the block."""
+    with WorkerPool(workers) as pool:
+        yield pool

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Protocol
 import pytest
 
 if TYPE_CHECKING:
-    from reports.gate.gate import Verdict
+    from reports.gate.verdict import Verdict
     from reports.run.load import SavedRun
     from reports.summary.tables import Summary, SummaryRow
     from scenarios.play.plan import PlanRequest
@@ -145,14 +145,15 @@ def _play_and_save(request: PlanRequest, jobs: int | None, folder: Path) -> Save
     """Play a plan on `jobs` workers and save it. Raises BenchError, also for a failed episode."""
     from scenarios.execute.episodes import play_all
     from scenarios.execute.isolated import allow_plug_ins_from_here
-    from scenarios.execute.local import worker_count
+    from scenarios.execute.local import local_executor, worker_count
     from scenarios.play.plan import plan
     from scenarios.run.run import refuse_failures
     from scenarios.run.save_run import save_run
 
     allow_plug_ins_from_here(request.detector, request.tracker)
     planned = plan(request)
-    played = play_all(planned, worker_count(jobs))
+    with local_executor(worker_count(jobs)) as executor:
+        played = play_all(planned, executor)
     if played.interrupted:
         raise KeyboardInterrupt
     refuse_failures(played)
@@ -171,8 +172,8 @@ def assert_no_regression(request: pytest.FixtureRequest) -> Check:
 
     def check(run: BenchRun, margins: Mapping[str, float] | None = None) -> Verdict:
         from pjpdaf.errors import BenchError
-        from reports.gate.formats import markdown
         from reports.gate.gate import compare
+        from reports.gate.markdown import markdown
         from reports.run.load import load
         from reports.run.save import save_slim
 

@@ -13,13 +13,15 @@ from pjpdaf.errors import BenchError, InfrastructureError
 from reports.page.page import write_page
 from reports.run.rows import EpisodeRows
 from reports.run.save import check_free
-from reports.summary.tables import count, rich_table, summarise
+from reports.summary.tables import rich_table, summarise
+from reports.summary.text import count
 from scenarios.console.folder import default_folder
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
 from scenarios.console.progress import progress_bar
 from scenarios.execute.episodes import EPISODE_TIME_LIMIT_S, Played, play_all
+from scenarios.execute.executor import Executor
 from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
-from scenarios.execute.local import worker_count
+from scenarios.execute.local import local_executor, worker_count
 from scenarios.play.from_dataset import open_with_sequences, renderer_of
 from scenarios.play.plan import PlanRequest, plan
 from scenarios.play.play import Job
@@ -72,8 +74,8 @@ def _play_and_save(
     request: RunRequest, jobs: Sequence[Job], workers: int, folder: Path, arrived: Interrupts
 ) -> None:
     started = time.perf_counter()
-    with arrived.raising():
-        played = _play_with_progress(jobs, workers, request.time_limit_s)
+    with local_executor(workers) as executor:
+        played = _play_with_progress(jobs, executor, request.time_limit_s, arrived)
     # From here on signals are only counted: saving goes on to its end.
     if request.plan.dataset is not None:
         dataset = open_with_sequences(request.plan.dataset)
@@ -121,7 +123,9 @@ def refuse_failures(played: Played) -> None:
         )
 
 
-def _play_with_progress(jobs: Sequence[Job], workers: int, time_limit_s: float) -> Played:
+def _play_with_progress(
+    jobs: Sequence[Job], executor: Executor, time_limit_s: float, arrived: Interrupts
+) -> Played:
     with progress_bar(Console(stderr=True)) as progress:
         task = progress.add_task("starting", total=len(jobs))
 
@@ -129,4 +133,5 @@ def _play_with_progress(jobs: Sequence[Job], workers: int, time_limit_s: float) 
             label = f"{row.scenario} seed {row.seed}"
             progress.update(task, advance=1, description=label)
 
-        return play_all(jobs, workers, on_done, time_limit_s)
+        with arrived.raising():
+            return play_all(jobs, executor, on_done, time_limit_s)

@@ -21,7 +21,8 @@ from reports.run.load import load
 from reports.run.rows import EpisodeRows, rows_of
 from reports.run.save import RunInfo, check_free, save
 from reports.score.records import Episode, FrameOutcome, Picture
-from reports.summary.tables import count, rich_table, summarise
+from reports.summary.tables import rich_table, summarise
+from reports.summary.text import count
 from scenarios.console.folder import default_folder
 from scenarios.console.progress import progress_bar
 from scenarios.play.from_dataset import check_once, job_of, open_with_sequences, renderer_of

@@ -8,10 +8,7 @@ the depth, the exports with the sequences.
 
 from __future__ import annotations
 
-import multiprocessing
-from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -43,9 +40,12 @@ from sim.dataset.files.layout import (
 )
 from sim.dataset.files.reading import read_json
 from sim.dataset.stored_sequence import StoredSequence
+from sim.processes import Answer, Lost, WorkerPool
 
 # Numbers of conventions.json without which a label cannot be read.
 _SCALES = (("depth", "unit_m"), ("disparity", "scale"), ("correspondence", "scale"))
+
+SEQUENCE_LIMIT_S = 24 * 3600.0
 
 
 def verify(
@@ -59,7 +59,8 @@ def verify(
 
     sums: read all files to compare their SHA-256 as well; on_sequence is called with the name of
     each checked sequence; jobs: worker processes. Raises BenchError where the folder is not a data
-    set or one of a newer version, InfrastructureError where a worker dies.
+    set or one of a newer version, InfrastructureError where the worker of a
+    sequence dies three times.
     """
     root = Path(dataset_folder)
     contents = _contents(root)
@@ -117,16 +118,42 @@ def _verdicts(
         for name, task in zip(contents.names, work, strict=True):
             yield name, check_sequence(*task)
         return
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(work)), mp_context=context) as pool:
-        waiting = [pool.submit(check_sequence, *task) for task in work]
-        try:
-            for name, result in zip(contents.names, waiting, strict=True):
-                yield name, result.result()
-        except BrokenProcessPool as fault:
-            raise InfrastructureError(
-                "a worker process died, likely for lack of memory: take fewer of them (--jobs)."
-            ) from fault
+    with WorkerPool(min(jobs, len(work))) as pool:
+        outcomes = pool.outcomes(_check, dict(enumerate(work)), SEQUENCE_LIMIT_S)
+        yield from _in_order(contents.names, outcomes)
+
+
+def _in_order(
+    names: Sequence[str], outcomes: Iterable[tuple[int, Answer[SequenceVerdict] | Lost] | None]
+) -> Iterator[tuple[str, SequenceVerdict]]:
+    """The verdicts in the order of the names, each as early as it can be given."""
+    ended: dict[int, SequenceVerdict] = {}
+    given = 0
+    for indexed in outcomes:
+        if indexed is None:
+            continue
+        index, outcome = indexed
+        if isinstance(outcome, Lost):
+            raise InfrastructureError(_lost_line(names[index], outcome))
+        ended[index] = outcome.value
+        while given in ended:
+            yield names[given], ended.pop(given)
+            given += 1
+
+
+def _lost_line(name: str, lost: Lost) -> str:
+    if lost.late:
+        return f"{name}: not checked within {SEQUENCE_LIMIT_S / 3600:.0f} hours."
+    return (
+        f"{name}: its worker process died {lost.attempts} times (exit code {lost.exit_code}), "
+        "likely for lack of memory: take fewer of them (--jobs)."
+    )
+
+
+def _check(
+    work: tuple[StoredSequence, FileTree, Checksums, tuple[str, ...], bool],
+) -> SequenceVerdict:
+    return check_sequence(*work)
 
 
 def _contents(root: Path) -> _Contents:

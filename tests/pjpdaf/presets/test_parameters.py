@@ -17,10 +17,10 @@ from pjpdaf.errors import BenchError
 from pjpdaf.plugins.registry import (
     DETECTORS,
     TRACKERS,
-    UnknownPart,
+    PlugInError,
     make_detector,
     make_tracker,
-    names,
+    plug_in_names,
 )
 from pjpdaf.presets.flat import flat_names, flat_values
 from pjpdaf.presets.override import override
@@ -153,8 +153,8 @@ def test_trackers_by_name(plugin: types.ModuleType) -> None:
     tracker = make_tracker("thesis", CAMERAS, {"gate": "9", "min_area_px": "10"})
     assert tracker.parameters.association.gate == 9.0
     assert isinstance(make_tracker("plugin_of_a_user:tracker", CAMERAS), PJPDAF)
-    assert set(PRESETS) <= set(names(TRACKERS))
-    assert set(PRESETS) <= set(names(DETECTORS))
+    assert set(PRESETS) <= set(plug_in_names(TRACKERS))
+    assert set(PRESETS) <= set(plug_in_names(DETECTORS))
 
 
 def test_detectors_by_name() -> None:
@@ -184,5 +184,5 @@ def test_a_tracker_that_cannot_be_had(plugin, name, overrides, words) -> None:
 
 def test_a_plug_in_may_ignore_keys_of_the_other_part(plugin: types.ModuleType) -> None:
     make_tracker("plugin_of_a_user:tracker", CAMERAS, {"min_area_px": 9})
-    with pytest.raises(UnknownPart, match="lacks learn, __call__"):
+    with pytest.raises(PlugInError, match="lacks learn, __call__"):
         make_detector("plugin_of_a_user:half", CAMERAS, {"gate": 9})

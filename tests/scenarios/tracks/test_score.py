@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -87,7 +88,7 @@ def files_of(episodes, folder):
     for number, episode in enumerate(episodes):
         target = folder / f"seq_{number:06d}"
         target.mkdir(parents=True)
-        with TrackWriter(target, episode.cameras) as tracks:
+        with closing(TrackWriter(target, episode.cameras)) as tracks:
             for outcome in episode.frames:
                 truth = outcome.truth
                 tracks.add(truth.index, truth.time_s, outcome.estimates)

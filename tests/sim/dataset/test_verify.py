@@ -4,6 +4,8 @@ The checks are tested in the folder check, with checksums that were written agai
 they must find it by themselves.
 """
 
+import multiprocessing
+
 import numpy as np
 import pytest
 from damaged_dataset import SEQ, edit_json, faults_of, files
@@ -24,6 +26,24 @@ def test_an_undamaged_data_set_has_no_fault(trio, single):
 def test_worker_processes_find_the_same(copies):
     (copies / SEQ / "right" / "000003.png").unlink()
     assert verify(copies, jobs=2, sums=False) == verify(copies, sums=False)
+
+
+def test_workers_that_are_killed_are_replaced_and_the_verdict_is_complete(copies):
+    (copies / SEQ / "right" / "000003.png").unlink()
+    wanted = verify(copies, sums=False)
+    others, names, killed = set(multiprocessing.active_children()), [], []
+
+    def kill_all_once(name):
+        """While the other worker is checking another sequence."""
+        names.append(name)
+        if not killed:
+            killed.extend(set(multiprocessing.active_children()) - others)
+            for worker in killed:
+                worker.kill()
+
+    assert verify(copies, jobs=2, sums=False, on_sequence=kill_all_once) == wanted
+    assert len(killed) == 2
+    assert names == ["seq_000000", "seq_000001", "seq_000002"]
 
 
 @pytest.mark.parametrize(
