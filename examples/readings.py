@@ -11,8 +11,10 @@ from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 
-from pjpdaf.presets.parameters import FRAME_S, find_preset, with_values
+from pjpdaf.presets.override import with_values
+from pjpdaf.presets.registry import find_preset
 from pjpdaf.tracker.filter import PJPDAF
+from pjpdaf.tracker.thesis_units import FRAME_S
 from reports.run.rows import rows_of
 from reports.score.records import Episode
 from scenarios.play.oracle import Oracle, track_again

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import difflib
 import pickle
+from collections.abc import Collection
+from pathlib import Path
 from typing import Any, Self, TypeVar
 
 E = TypeVar("E", bound="BenchError")
@@ -36,6 +39,18 @@ class InfrastructureError(BenchError):
     exit_code = 5
 
 
+class FileError(BenchError):
+    """A fault of a file: `file` is its path, `cause` the broken rule, without a final stop.
+
+    The line is "file: cause."; with a line number, "file:number: cause."
+    """
+
+    def __init__(self, file: Path | str, cause: str, line_number: int | None = None) -> None:
+        place = file if line_number is None else f"{file}:{line_number}"
+        super().__init__(f"{place}: {cause}.")
+        self.file, self.cause = Path(file), cause
+
+
 class PlugInFault(Exception):
     """A plug-in raised, or its answer breaks the protocol. One line; ends its episode."""
 
@@ -58,3 +73,10 @@ def _restored(kind: type[E], arguments: tuple[Any, ...], fields: dict[str, Any])
     error.args = arguments
     error.__dict__.update(fields)
     return error
+
+
+def did_you_mean(name: str, known: Collection[str]) -> str:
+    """' Did you mean ...? Known: ...' for the end of an error message."""
+    near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+    hint = f" Did you mean {near[0]!r}?" if near else ""
+    return f"{hint} Known: {', '.join(sorted(known))}."

@@ -13,7 +13,7 @@ from sim.event_names import is_merge
 
 @dataclass(frozen=True, eq=False)
 class ViewTruth:
-    """What one view shows of the T targets (order of `pjpdaf.targets.TARGETS`).
+    """The visible skin of the T targets in a view (order of `pjpdaf.targets.TARGETS`).
 
     centroids_px (T, 2): centroid of the visible skin, NaN where nothing is visible.
     visible_px, amodal_px (T,): pixels visible / with everything else removed, inside the picture.
@@ -51,12 +51,12 @@ class ViewTruth:
 class Truth:
     """The truth of a frame, world frame, of the moment time_s at which it was really taken.
 
-    With shutter skew the right view is exposed later: what `views` says of it is of that later
-    moment, everything in three dimensions of time_s.
+    With shutter skew the right view is exposed later: its part of `views` is of that later moment,
+    everything in three dimensions of time_s.
 
     centres_m (T, 3): centres of head and palms; velocities_mps (T, 3);
     surfaces_m (T, 3): centroid of the visible skin surface over all views, NaN where unseen.
-    views: per camera. events: names of what happens in this frame (contact, grasp, merge, ...).
+    views: per camera. events: names of the events in this frame (contact, grasp, merge, ...).
     """
 
     index: int

@@ -36,3 +36,16 @@ def pending(pid):
     """Whether a process has signals that it has not received yet."""
     lines = Path(f"/proc/{pid}/status").read_text().splitlines()
     return any(int(x.split()[1], 16) for x in lines if x.startswith(("SigPnd", "ShdPnd")))
+
+
+def worker_pids(pid):
+    """Process ids of the workers that a process started (not of Python's own resource tracker)."""
+    pids = []
+    for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
+        try:
+            words = Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")
+        except FileNotFoundError:  # it has ended
+            continue
+        if any(b"spawn_main" in word for word in words):
+            pids.append(int(child))
+    return pids

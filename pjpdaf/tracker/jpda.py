@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pjpdaf.arrays import Floats
-
-Bools = NDArray[np.bool_]
+from pjpdaf.arrays import Bools, Floats
 
 # One cluster of overlapping gates costs measurements * 2^targets * targets in time and memory.
 LARGEST_CLUSTER = 20
@@ -27,31 +24,6 @@ def squared_distances(innovations: Floats, S_inverse: Floats) -> Floats:
     """
     weighted = np.matmul(innovations[:, :, None], S_inverse)[:, :, 0]
     return np.asarray((weighted * innovations).sum(axis=2))
-
-
-def validation_matrix(gated: Bools) -> Bools:
-    """Omega of Eq. 3.28: gated (m, T) with the clutter column in front, (m, T + 1)."""
-    return np.column_stack([np.ones(len(gated), dtype=bool), gated])
-
-
-def feasible_events(omega: ArrayLike) -> Iterator[tuple[int, ...]]:
-    """All feasible events of a validation matrix (m, T + 1), clutter in column 0 (section 3.4.2).
-
-    An event is the origin of each measurement, 0 for clutter: one origin a measurement, at most
-    one measurement a target. There are exponentially many; `association_probabilities` does not
-    need them.
-    """
-    rows = [tuple(np.flatnonzero(row).tolist()) for row in np.asarray(omega, dtype=bool)]
-
-    def extend(event: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
-        if len(event) == len(rows):
-            yield event
-            return
-        for origin in rows[len(event)]:
-            if origin == 0 or origin not in event:
-                yield from extend((*event, origin))
-
-    return extend(())
 
 
 def clusters(gated: Bools) -> list[tuple[list[int], list[int]]]:

@@ -6,19 +6,18 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from pjpdaf.arrays import Floats
+from pjpdaf.arrays import Floats, Image
 from pjpdaf.camera import Camera, distort_points, project, projection_jacobian
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detections, Estimates
 from pjpdaf.targets import COLOURS_RGB
+from reports.pictures.encode import jpeg_of
 from sim.truth import Truth
 
 LETTERS = ("H", "R", "L")  # beside each circle: colour is never the only sign
 NAMES = ("H head", "R right hand", "L left hand")
 QUALITY = 85
-Image = NDArray[np.uint8]
 Colour = tuple[int, int, int]
 YELLOW: Colour = (60, 225, 255)
 BLACK: Colour = (0, 0, 0)
@@ -84,10 +83,8 @@ def side_by_side(views: Sequence[Image]) -> Image:
 
 
 def encode_jpeg(sheet: Image) -> bytes:
-    """A BGR picture as JPEG."""
-    done, jpeg = cv2.imencode(".jpg", sheet, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
-    assert done, "OpenCV always encodes a uint8 BGR picture"
-    return bytes(jpeg)
+    """Encode a picture (h, w, 3) BGR as JPEG of the overlays' quality."""
+    return jpeg_of(sheet, QUALITY)
 
 
 def canvas_of(picture: np.ndarray | None, camera: Camera) -> Image:

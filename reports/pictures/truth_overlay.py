@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pjpdaf.arrays import Floats
+from pjpdaf.arrays import Floats, Image
 from pjpdaf.camera import Camera, distort_points, project
 from pjpdaf.frames import StereoFrame
 from reports.pictures.overlay import (
@@ -19,7 +19,6 @@ from reports.pictures.overlay import (
     STRIP,
     WHITE,
     YELLOW,
-    Image,
     canvas_of,
     draw_cross,
     draw_curve,

@@ -16,6 +16,7 @@ from reports.score.records import (
     STAGES,
     Episode,
     EpisodeFailure,
+    FailureKind,
     Picture,
     Still,
 )
@@ -42,6 +43,7 @@ class EpisodeRows:
     stage_s: Mapping[str, float]
     frame_count: int
     failure: str = ""
+    failure_kind: FailureKind | None = None
     tracking: TableRow | None = None
     truth: str = ""
     detections: Mapping[str, list[object]] = field(default_factory=dict)
@@ -63,6 +65,7 @@ def rows_of(played: Episode | EpisodeFailure) -> EpisodeRows:
             stage_s={},
             frame_count=0,
             failure=played.reason or "unknown",
+            failure_kind=played.kind,
         )
     result = score(played)
     stages = sorted({*STAGES, *(name for o in played.frames for name in o.stage_s)})

@@ -217,7 +217,9 @@ def _scenarios(
         entry["digests"].append(row.digest)
         entry["truths"].append(row.truth)
         if row.failure:
-            entry["failures"].append({"seed": row.seed, "reason": row.failure})
+            entry["failures"].append(
+                {"seed": row.seed, "reason": row.failure, "kind": row.failure_kind}
+            )
     return list(scenarios.values())
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Literal
 
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
@@ -88,12 +89,16 @@ class Episode:
                 raise ValueError(f"{name} frame {truth.index} must have {len(VIEWS)} views")
 
 
+FailureKind = Literal["unposable", "plug-in", "time limit", "worker died", "exception"]
+
+
 @dataclass(frozen=True)
 class EpisodeFailure:
-    """An episode that gave no result: a crash, a time-out, a seed that cannot be posed."""
+    """An episode that gave no result. kind: for programs; reason: a line for people."""
 
     scenario: str
     seed: int
     reason: str
     group: str = ""
     digest: str = ""
+    kind: FailureKind = "exception"

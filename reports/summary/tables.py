@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,9 +15,7 @@ from pjpdaf.targets import HEAD, TARGETS
 from reports.run.load import SavedRun
 from reports.score.records import STAGES
 from reports.score.score import quantile
-
-ALL = "all"
-LABELS = {"head": "head", "right_hand": "right hand", "left_hand": "left hand", ALL: "all"}
+from reports.summary.text import ALL, LABELS, count, number, percent
 
 
 @dataclass(frozen=True)
@@ -167,32 +164,6 @@ def rich_table(summary: Summary) -> Table:
     if summary.failures:
         table.caption = Text(f"{count(len(summary.failures), 'episode')} gave no result")
     return table
-
-
-def number(value: float) -> str:
-    """Three figures; "∞" for more silence than numbers, "-" for nothing to measure."""
-    if math.isnan(value):
-        return "-"
-    if math.isinf(value):
-        return "∞"
-    return f"{value:.1f}" if abs(value) < 99.95 else f"{value:.0f}"
-
-
-def percent(share: float) -> str:
-    """A share 0-1 as per cent. Never rounded up to 100 or down to 0."""
-    if math.isnan(share):
-        return "-"
-    text = f"{100 * share:.1f}"
-    if text == "100.0" and share < 1:
-        text = "> 99.9"
-    elif text == "0.0" and share > 0:
-        text = "< 0.1"
-    return {"100.0": "100", "0.0": "0"}.get(text, text) + " %"
-
-
-def count(n: int, noun: str) -> str:
-    """'1 episode', '2 episodes'."""
-    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"
 
 
 def time_text(times: StageTimes) -> str:

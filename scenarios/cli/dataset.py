@@ -62,17 +62,17 @@ def make(
     if recipe is not None:
         if targets:
             raise BenchError("--recipe makes its own sequence: leave out the scenarios")
-        from scenarios.dataset.make import make_again
+        from scenarios.dataset.remake import remake_sequence
 
-        typer.echo(make_again(recipe, out, frame))
+        typer.echo(remake_sequence(recipe, out, frame))
         return
     if frame is not None:
         raise BenchError("--frame is for a recipe: give --recipe FILE")
-    from scenarios.dataset.make import MakeRequest
-    from scenarios.dataset.make import make as make_dataset
+    from scenarios.dataset.make import make_dataset
+    from scenarios.dataset.sequence_plan import MakeRequest
     from scenarios.play.recipe import Settings, labels_named, size_named
 
-    wanted = labels_named(labels)
+    chosen = labels_named(labels)
     make_dataset(
         MakeRequest(
             targets=tuple(targets or ("smoke",)),
@@ -80,8 +80,8 @@ def make(
             seeds=seeds,
             first_seed=first_seed,
             settings=tuple(settings or ()),
-            labels=Settings(wanted, None if size is None else size_named(size)),
-            exports=formats_named(export, wanted),
+            labels=Settings(chosen, None if size is None else size_named(size)),
+            exports=parse_formats(export, chosen),
             ladder=ladder,
             jobs=jobs,
         )
@@ -98,9 +98,10 @@ def export(
     coco: annotations/, mot: mot/, webdataset: webdataset/ (tar files), parquet: parquet/ (with the
     pictures in it, as Hugging Face's `datasets` reads it).
     """
-    from scenarios.dataset.make import export_again, labels_of
+    from scenarios.dataset.finish import export_dataset
+    from sim.dataset.reader import open_dataset
 
-    for path in export_again(folder, formats_named(to, labels_of(folder))):
+    for path in export_dataset(folder, parse_formats(to, open_dataset(folder).labels)):
         typer.echo(path)
 
 
@@ -142,21 +143,21 @@ def verify(
     other and against the 3-D truth; depth and ids against rays.
     """
     from scenarios.dataset.verify import VerifyRequest, verify_dataset
-    from scenarios.run.run import worker_count
+    from scenarios.execute.local import worker_count
 
     raise typer.Exit(verify_dataset(VerifyRequest(folder, sums, rays, worker_count(jobs))))
 
 
-def formats_named(words: str | None, labels: Collection[str]) -> tuple[str, ...]:
-    """The formats of a text such as "coco,mot"; "none"; None: the usual ones that labels allow.
+def parse_formats(text: str | None, labels: Collection[str]) -> tuple[str, ...]:
+    """Read export formats such as "coco,mot" or "none"; None: coco and mot, if labels allow.
 
-    Raises BenchError for an unknown one, or one that needs a label that is not there.
+    Raises BenchError for an unknown format, or a format whose label is missing.
     """
     from sim.dataset.files.layout import EXPORTS
 
-    if words is None:
+    if text is None:
         return ("coco", "mot") if "seg" in labels else ("mot",)
-    named = [word.strip() for word in words.split(",") if word.strip()]
+    named = [word.strip() for word in text.split(",") if word.strip()]
     if named == ["none"]:
         return ()
     for name in named:

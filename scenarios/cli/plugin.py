@@ -17,10 +17,9 @@ def check(
 ) -> None:
     """Say what is wrong with a tracker or detector of your own, a line each; exit code 1 then."""
     from pjpdaf.plugins.conformance import LONGEST_LIMIT_S, check_named
-    from scenarios.execute.isolated import Ended, isolated
-    from scenarios.run.run import find_plug_ins_here
+    from scenarios.execute.isolated import Ended, allow_plug_ins_from_here, isolated
 
-    find_plug_ins_here(name)
+    allow_plug_ins_from_here(name)
     try:
         # A call has a limit of its own; the whole has one for what hangs between the calls.
         what = f"{kind} {name!r}"

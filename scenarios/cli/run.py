@@ -63,24 +63,28 @@ def run(
 
     Without a name: the suite smoke.
     """
+    from scenarios.play.plan import PlanRequest
     from scenarios.run.run import RunRequest, run_suite
 
     run_suite(
         RunRequest(
-            targets=tuple(targets or (() if from_ else ("smoke",))),
-            dataset=from_,
-            seeds=seeds,
-            detector=detector or preset,
-            tracker=tracker or preset,
+            PlanRequest(
+                targets=tuple(targets or (() if from_ else ("smoke",))),
+                seeds=seeds,
+                first_seed=first_seed,
+                only=tuple(only or ()),
+                settings=tuple(settings or ()),
+                detector=detector or preset,
+                tracker=tracker or preset,
+                keep_pictures=not slim,
+                keep_films=films and not slim,
+                dataset=from_,
+            ),
             preset=preset,
-            settings=tuple(settings or ()),
             jobs=jobs,
             out=out,
             argv=tuple(sys.argv[1:]),
-            first_seed=first_seed,
-            only=tuple(only or ()),
             slim=slim,
-            films=films,
             time_limit_s=time_limit,
         )
     )
@@ -114,7 +118,7 @@ def report(
         with unwritten_if_interrupted(rerun):
             typer.echo(f"recording: {write_rerun(load(runs[0]), rerun)}")
         return
-    from scenarios.run.run import remake_report
+    from scenarios.run.report import remake_report
 
     typer.echo(f"report: {remake_report(runs, out)}")
 

@@ -29,13 +29,13 @@ def list_catalogue(
 ) -> None:
     """All shipped scenarios and suites: group, frames x frames a second, T if from the thesis."""
     if html is None and markdown is None:
-        from scenarios.catalogue.list_text import lines
+        from scenarios.catalogue.list_text import catalogue_lines
 
-        for line in lines():
+        for line in catalogue_lines():
             typer.echo(line)
         return
     from scenarios.catalogue.pages import write_catalogue
-    from scenarios.run.run import worker_count
+    from scenarios.execute.local import worker_count
 
     for path in write_catalogue(html, markdown, worker_count(jobs)):
         typer.echo(f"catalogue: {path}")
@@ -65,14 +65,14 @@ def show(
     if film is None:
         if frames:
             raise BenchError("--frames is for a film: give --film OUT.mp4 or OUT.png.")
-        from scenarios.catalogue.describe import describe
-        from scenarios.catalogue.film import scenario_settings
+        from scenarios.catalogue.describe import print_description
+        from scenarios.play.settings import read_scenario_settings
 
-        describe(name, seed, scenario_settings(tuple(settings or ())))
+        print_description(name, seed, read_scenario_settings(tuple(settings or ())))
         return
-    from scenarios.catalogue.film import ShowRequest, show
+    from scenarios.catalogue.film import FilmRequest, film_scenario
 
-    typer.echo(show(ShowRequest(name, seed, tuple(settings or ()), film, frames)))
+    typer.echo(film_scenario(FilmRequest(name, seed, tuple(settings or ()), film, frames)))
 
 
 @app.command("measure")
@@ -88,17 +88,18 @@ def measure(
     """
     from rich.console import Console
 
-    from scenarios.catalogue.survey import survey, survey_table
+    from scenarios.catalogue.survey import survey_scenario
+    from scenarios.catalogue.survey_table import survey_table
     from scenarios.spec.names import load_scenario, scenario_names
 
     if not 1 <= seeds <= 1000:
         raise BenchError(f"--seeds must be between 1 and 1000, got {seeds}")
-    surveys = [survey(load_scenario(n), range(seeds)) for n in names or scenario_names()]
+    surveys = [survey_scenario(load_scenario(n), range(seeds)) for n in names or scenario_names()]
     console = Console()
     # A pipe has no width: the table is kept whole there.
     console = console if console.is_terminal else Console(width=140)
     console.print(survey_table(surveys))
-    if any(found.faults for found in surveys):
+    if any(survey.faults for survey in surveys):
         raise typer.Exit(1)
 
 

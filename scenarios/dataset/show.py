@@ -10,11 +10,13 @@ import numpy as np
 from rich.console import Console
 
 from pjpdaf.errors import BenchError
-from reports.dataset.page import Clip, clips, dataset_page
+from reports.dataset.page import dataset_page
 from reports.dataset.rerun import write_dataset_rerun
-from reports.dataset.sheet import dataset_sheet, sheet_png
-from reports.summary.tables import count
-from scenarios.catalogue.film import spread
+from reports.dataset.sequence_view import SequenceView, sequence_views
+from reports.dataset.sheet import dataset_sheet
+from reports.pictures.encode import png_of
+from reports.summary.text import count
+from scenarios.catalogue.frame_choice import representative_frames
 from scenarios.console.interrupts import unwritten_if_interrupted
 from scenarios.console.progress import progress_bar
 from sim.dataset.reader import Dataset, open_dataset
@@ -111,15 +113,15 @@ def _write_sheet(sequences: Sequence[StoredSequence], path: Path, alone: bool) -
     rows: list[tuple[StoredSequence, list[int]]]
     if alone:
         (one,) = sequences
-        chosen = spread(one.truths, ROW_FRAMES * ALONE_ROWS)
+        chosen = representative_frames(one.truths, ROW_FRAMES * ALONE_ROWS)
         starts = range(0, len(chosen), ROW_FRAMES)
         rows = [(one, chosen[start : start + ROW_FRAMES]) for start in starts]
     else:
         places = np.linspace(0, len(sequences) - 1, min(MOST_ROWS, len(sequences)))
         picked = [sequences[i] for i in places.round().astype(int).tolist()]
-        rows = [(one, spread(one.truths, ROW_FRAMES)) for one in picked]
+        rows = [(one, representative_frames(one.truths, ROW_FRAMES)) for one in picked]
     with written_whole_file(path, "the sheet") as part, disk_faults(path, "the sheet"):
-        part.write_bytes(sheet_png(dataset_sheet(rows)))
+        part.write_bytes(png_of(dataset_sheet(rows)))
     shown = len({one.name for one, _ in rows})
     return f"sheet: {path} ({_share(shown, len(sequences))})"
 
@@ -128,7 +130,7 @@ def _write_page(dataset: Dataset, sequences: Sequence[StoredSequence], path: Pat
     frames = sum(one.frame_count for one in sequences)
     with progress_bar(Console(stderr=True)) as progress:
         task = progress.add_task("page", total=frames)
-        shown = clips(sequences, on_frame=lambda: progress.advance(task))
+        shown = sequence_views(sequences, on_frame=lambda: progress.advance(task))
     whole = Dataset(dataset.folder, dataset.manifest, tuple(sequences))
     title = dataset.folder.resolve().name
     if len(sequences) < len(dataset.sequences):
@@ -140,7 +142,7 @@ def _write_page(dataset: Dataset, sequences: Sequence[StoredSequence], path: Pat
     return f"page: {path} ({_shown_words(shown, sequences)}, {size:.1f} MB)"
 
 
-def _shown_words(shown: Sequence[Clip], sequences: Sequence[StoredSequence]) -> str:
+def _shown_words(shown: Sequence[SequenceView], sequences: Sequence[StoredSequence]) -> str:
     words = _share(len(shown), len(sequences))
     if shown[-1].frames < shown[-1].sequence.frame_count:
         words += f", {shown[-1].frames} of {shown[-1].sequence.frame_count} frames of it"

@@ -11,7 +11,7 @@ should have given, all others stay as they are:
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,7 +22,9 @@ from pjpdaf.camera import Camera, undistort_points
 from pjpdaf.follow import follow
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import AnyTracker, Detections, Estimates
-from pjpdaf.tracker.filter import PJPDAF, TrackState
+from pjpdaf.recorded import RecordedDetections
+from pjpdaf.tracker.filter import PJPDAF
+from pjpdaf.tracker.state import TrackState
 from reports.score.records import Episode
 from sim.truth import Truth, ViewTruth
 
@@ -71,23 +73,6 @@ def track_again(
         for outcome, step in zip(episode.frames, steps, strict=True)
     )
     return replace(episode, frames=outcomes, pictures=())
-
-
-@dataclass(frozen=True)
-class RecordedDetections:
-    """A `Detector` whose answer to frame i is the recorded detections i; it reads no pictures."""
-
-    recorded: tuple[tuple[Detections, ...], ...]
-
-    def learn(self, background: Iterable[StereoFrame]) -> RecordedDetections:
-        """Itself: a recording has nothing to learn."""
-        return self
-
-    def __call__(
-        self, frame: StereoFrame, predicted: Estimates | None = None
-    ) -> tuple[Detections, ...]:
-        """Return the detections of the frame's index."""
-        return self.recorded[frame.index]
 
 
 @dataclass(frozen=True, eq=False)

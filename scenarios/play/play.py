@@ -16,7 +16,7 @@ from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detector, Tracker
 from pjpdaf.plugins.checked import CheckedDetector, CheckedTracker
 from pjpdaf.plugins.registry import make_detector, make_tracker
-from pjpdaf.presets.parameters import PRESETS
+from pjpdaf.presets.registry import PRESETS
 from pjpdaf.tracker.filter import PJPDAF
 from reports.pictures.overlay import overlay_jpeg
 from reports.pictures.stills import still
@@ -93,7 +93,7 @@ def digest_of(job: Job) -> str:
     return hashlib.sha256(" ".join(words).encode()).hexdigest()
 
 
-def parts_of(system: System, rig: StereoRig) -> tuple[Detector, Tracker[Any]]:
+def make_system(system: System, rig: StereoRig) -> tuple[Detector, Tracker[Any]]:
     """Detector (background not learnt yet) and tracker for these cameras.
 
     What a plug-in answers is checked; but for a PJPDAF, whose parts the oracle replaces.
@@ -163,7 +163,7 @@ def play_footage(job: Job, footage: Footage) -> Episode:
     outcomes = []
     pictures: list[Picture] = []
     film: list[Still] = []
-    detector, tracker = parts_of(job.system, footage.calibration)
+    detector, tracker = make_system(job.system, footage.calibration)
     detector = detector.learn(footage.background())
     # Frames and truths apart: neither detector nor tracker is near the truth.
     for_loop, for_scores = itertools.tee(footage.frames())

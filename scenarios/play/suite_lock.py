@@ -18,7 +18,7 @@ from typing import Any
 from pjpdaf.errors import BenchError
 from reports.run.schema import METRICS_VERSION
 from scenarios.play.play import digest_of
-from scenarios.play.targets import Part, parts_of_suite
+from scenarios.play.targets import PlannedScenario, expand_suite
 from scenarios.spec.names import load_suite, suite_names
 from scenarios.spec.suite import Suite
 
@@ -36,7 +36,7 @@ def stamp(suite: Suite) -> dict[str, Any]:
     name, version, digest; metrics_version; entries: label -> 'scenario@version xSEEDS digest', in
     order. The digest is of the entries' digests, the metrics and the crash policy.
     """
-    entries = {part.label: _entry(part) for part in parts_of_suite(suite)}
+    entries = {part.label: _entry(part) for part in expand_suite(suite)}
     whole = [list(entries.items()), METRICS_VERSION, CRASH_POLICY]
     return {
         "name": suite.name,
@@ -47,7 +47,7 @@ def stamp(suite: Suite) -> dict[str, Any]:
     }
 
 
-def _entry(part: Part) -> str:
+def _entry(part: PlannedScenario) -> str:
     digests = [digest_of(part.job(seed)) for seed in range(part.seeds)]
     digest = hashlib.sha256("\n".join(digests).encode()).hexdigest()
     return f"{part.scenario.name}@{part.scenario.version} x{part.seeds} {digest}"

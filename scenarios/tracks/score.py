@@ -21,11 +21,13 @@ from reports.run.load import load
 from reports.run.rows import EpisodeRows, rows_of
 from reports.run.save import RunInfo, check_free, save
 from reports.score.records import Episode, FrameOutcome, Picture
-from reports.summary.tables import count, rich_table, summarise
+from reports.summary.tables import rich_table, summarise
+from reports.summary.text import count
+from scenarios.console.folder import default_folder
 from scenarios.console.progress import progress_bar
 from scenarios.play.from_dataset import check_once, job_of, open_with_sequences, renderer_of
 from scenarios.play.play import Gallery, digest_of
-from scenarios.run.run import default_folder, entry_of
+from scenarios.run.save_run import scenario_record
 from scenarios.spec.draw import concrete
 from scenarios.tracks.files import LOST, Tracks, read_tracks
 from sim.dataset.reader import Dataset
@@ -51,7 +53,8 @@ class ScoreRequest:
 class Facts:
     """What results call a sequence.
 
-    entry: as in run.json (`scenarios.run.run.entry_of`); note: what its user should know.
+    entry: as in run.json (`scenarios.run.save_run.scenario_record`); note: what its user should
+    know.
     """
 
     label: str
@@ -114,7 +117,7 @@ def facts_of(sequence: StoredSequence) -> Facts:
         for name, value in concrete(job.scenario, job.seed, job.overrides, sequence.redrawn).items()
     }
     group = job.scenario.group
-    return Facts(job.name, group, job.seed, digest_of(job), values, entry_of(job))
+    return Facts(job.name, group, job.seed, digest_of(job), values, scenario_record(job))
 
 
 def _of_manifest(sequence: StoredSequence) -> Facts:

@@ -1,8 +1,8 @@
-"""What a real camera does to a rendered picture.
+"""The sensor of a real camera, applied to a rendered picture.
 
 In a camera's order: the mean light of the exposure; gains of the light (exposure, white balance,
 flicker); noise of the light and of reading out; 8 bits; JPEG. A picture's values v are light
-(v / 255) ** GAMMA. What the renderer has clipped to white stays white at any exposure.
+(v / 255) ** GAMMA. Values that the renderer has clipped to white stay white at any exposure.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ LIGHT_UNITS = 2**20 - 1  # white, in the whole numbers in which light is added u
 def expose(
     picture: Image, spec: SensorSpec, seed: int, stream: str, frame: int, time_s: float = 0.0
 ) -> Image:
-    """A picture (h, w, 3) uint8 BGR as a camera gives it.
+    """A rendered picture (h, w, 3) uint8 BGR as a camera outputs it.
 
     time_s: the middle of its exposure, for the flicker. The noise is addressed by (seed, stream,
     frame): it does not depend on any other picture.
@@ -49,7 +49,7 @@ def expose(
 
 
 def mean_light(pictures: Sequence[Image]) -> Image:
-    """The picture of the mean light of some pictures of one size: motion blur."""
+    """Motion blur: the picture of the mean light of pictures of the same size."""
     if len(pictures) == 1:
         return pictures[0]
     light_of_grey, grey_of_light = light_tables()
@@ -76,7 +76,7 @@ def light_gains(spec: SensorSpec, time_s: float) -> RGB:
 def gain_table(gains: tuple[float, float, float]) -> Image:
     """The value after these gains of the light of each value before, (1, 256, 3) uint8.
 
-    In the order of the picture's channels. What exceeds white is white.
+    In the order of the picture's channels; light above white is white.
     """
     values = np.arange(256.0)[:, None] * np.asarray(gains) ** (1 / GAMMA)
     return np.rint(np.minimum(values, 255.0)).astype(np.uint8)[None]

@@ -1,4 +1,4 @@
-"""The tables of a sequence frame by frame, checked, as the exports need them."""
+"""The rows of truth.parquet and objects.parquet by frame, checked."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import FileError
 from pjpdaf.targets import TARGETS
 from sim.dataset.files.layout import OBJECTS, RIG, TRUTH
 from sim.dataset.files.reading import read_table
@@ -20,7 +20,7 @@ from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
 FrameRow = Mapping[str, Any]
-# What has no value where a target is not seen.
+# Columns without a value where a target is not visible.
 _MAY_LACK = ("u_", "v_", "box_", "amodal_box_", "surface_")
 
 
@@ -28,7 +28,7 @@ _MAY_LACK = ("u_", "v_", "box_", "amodal_box_", "surface_")
 class FrameRows:
     """A frame's rows of truth.parquet, in the order of TARGETS, and of objects.parquet.
 
-    arrived: by camera, whether its picture did.
+    arrived: by camera, whether its picture arrived.
     """
 
     index: int
@@ -39,35 +39,36 @@ class FrameRows:
     objects: tuple[FrameRow, ...]
 
 
-def frames_of(sequence: StoredSequence) -> list[FrameRows]:
-    """All frames in order. Raises BenchError with the file's name where a table is damaged."""
+def read_frame_rows(sequence: StoredSequence) -> list[FrameRows]:
+    """Read all frames in order. Raises FileError for a damaged table."""
     path = sequence.folder / TRUTH
     rows = _rows(path, TRUTH_SCHEMA)
-    T, wanted = len(TARGETS), sequence.frame_count
-    if len(rows) != T * wanted:
-        raise BenchError(f"{path}: must have {T * wanted} rows ({wanted} frames), has {len(rows)}.")
+    T, count = len(TARGETS), sequence.frame_count
+    if len(rows) != T * count:
+        raise FileError(path, f"must have {T * count} rows ({count} frames), has {len(rows)}")
     objects = _objects(sequence)
     frames = []
-    for index in range(wanted):
-        mine = tuple(rows[T * index : T * (index + 1)])
-        if [(row["frame_index"], row["target"]) for row in mine] != [(index, t) for t in TARGETS]:
-            raise BenchError(
-                f"{path}: frame {index}: must have the rows of {', '.join(TARGETS)}, in this order."
+    for index in range(count):
+        targets = tuple(rows[T * index : T * (index + 1)])
+        if [(row["frame_index"], row["target"]) for row in targets] != [
+            (index, t) for t in TARGETS
+        ]:
+            raise FileError(
+                path, f"frame {index}: must have the rows of {', '.join(TARGETS)}, in this order"
             )
-        for t, row in enumerate(mine):
+        for t, row in enumerate(targets):
             if not _shaped(row, sum(target == t for target, _ in KEYPOINTS)):
-                raise BenchError(
-                    f"{path}: frame {index}: {row['target']}: a box or keypoint is of the wrong "
-                    "size."
+                raise FileError(
+                    path, f"frame {index}: {row['target']}: a box or keypoint is of the wrong size"
                 )
-        first = mine[0]
+        first = targets[0]
         frames.append(
             FrameRows(
                 index,
                 first["time_s"],
                 first["stamp_s"],
                 {camera: first[f"arrived_{camera}"] for camera in CAMERAS},
-                mine,
+                targets,
                 tuple(objects.get(index, ())),
             )
         )
@@ -78,25 +79,25 @@ def object_kinds(sequence: StoredSequence) -> dict[str, str]:
     """Kind of each object by its name, e.g. a can."""
     listed = sequence.rig_json.get("objects")
     try:
-        return {str(one["name"]): str(one["kind"]) for one in listed or ()}
+        return {str(item["name"]): str(item["kind"]) for item in listed or ()}
     except (KeyError, TypeError) as fault:
-        raise BenchError(f"{sequence.folder / RIG}: objects: is no list of name, kind.") from fault
+        raise FileError(sequence.folder / RIG, "objects: is not a list of name, kind") from fault
 
 
 def box_of(row: FrameRow, camera: str, prefix: str = "") -> list[float] | None:
     """x, y, width, height of a target's row in a view, None where nothing of it is visible.
 
-    prefix: "amodal_" for the box with all other things removed.
+    prefix: "amodal_" for the box of the amodal mask.
     """
     values = [row[f"{prefix}box_{part}_{camera}_px"] for part in ("x", "y", "width", "height")]
     return None if None in values else values
 
 
 def _objects(sequence: StoredSequence) -> dict[int, list[FrameRow]]:
-    found: dict[int, list[FrameRow]] = {}
+    objects: dict[int, list[FrameRow]] = {}
     for row in _rows(sequence.folder / OBJECTS, OBJECTS_SCHEMA):
-        found.setdefault(row["frame_index"], []).append(row)
-    return found
+        objects.setdefault(row["frame_index"], []).append(row)
+    return objects
 
 
 def _rows(path: Path, schema: pa.Schema) -> list[dict[str, Any]]:
@@ -104,17 +105,17 @@ def _rows(path: Path, schema: pa.Schema) -> list[dict[str, Any]]:
     for name in schema.names:
         column = table[name]
         if column.null_count and not name.startswith(_MAY_LACK):
-            raise BenchError(f"{path}: {name}: a value is missing.")
+            raise FileError(path, f"{name}: a value is missing")
         while pa.types.is_list(column.type):
             column = pc.list_flatten(column)
         # None where there are no numbers at all.
         if pa.types.is_floating(column.type) and pc.all(pc.is_finite(column)).as_py() is False:
-            raise BenchError(f"{path}: {name}: the numbers must be finite.")
+            raise FileError(path, f"{name}: the numbers must be finite")
     return list(table.to_pylist())
 
 
 def _shaped(row: FrameRow, keypoints: int) -> bool:
-    """Whether a target's row has a box where it is visible, and keypoints of the right sizes."""
+    """Whether a target's row has a box if it is visible, and keypoints of the right sizes."""
     if not _points(row["keypoints_m"], [OCCLUDED] * keypoints, 3):
         return False
     for camera in CAMERAS:
@@ -127,11 +128,11 @@ def _shaped(row: FrameRow, keypoints: int) -> bool:
 
 
 def _points(points: list[Any], status: list[int], size: int) -> bool:
-    """Whether there is a point for each status, all numbers known but of those NOT_LABELLED."""
+    """Whether there is a point for each status, with all its numbers unless NOT_LABELLED."""
     return len(points) == len(status) and all(
         point is not None
         and len(point) == size
-        and said in (NOT_LABELLED, OCCLUDED, VISIBLE)
-        and (said == NOT_LABELLED or None not in point)
-        for point, said in zip(points, status, strict=True)
+        and state in (NOT_LABELLED, OCCLUDED, VISIBLE)
+        and (state == NOT_LABELLED or None not in point)
+        for point, state in zip(points, status, strict=True)
     )

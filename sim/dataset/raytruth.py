@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import FileError
 from pjpdaf.targets import TARGETS
 from sim.camera.rays import cast
 from sim.dataset.files.layout import DEPTH_UNIT_M
@@ -107,14 +107,14 @@ def ray_check(
             for field in ("K", "R_cw", "t_cw", "distortion", "width_px", "height_px")
         )
         if not same:
-            raise BenchError(
-                f"{sequence.folder}: the {name} camera of rig.json is not that of recipe.json."
+            raise FileError(
+                sequence.folder, f"the {name} camera of rig.json is not that of recipe.json"
             )
     instances = instances_of(world)
     found = []
     for index in frames:
         if not 0 <= index < sequence.frame_count:
-            raise BenchError(f"{sequence.folder}: has no frame {index}.")
+            raise FileError(sequence.folder, f"has no frame {index}")
         time_s = sequence.truths[index].time_s
         for view in range(len(CAMERAS)):
             later_s = simulation.performance.scene.sensor.skew_s if view else 0.0

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import FileError
 from sim.dataset.files.layout import KIND, MANIFEST, SCHEMA_VERSION, is_sequence_name
 from sim.dataset.files.reading import check_inside, read_json
 from sim.dataset.stored_sequence import StoredSequence
@@ -18,7 +18,7 @@ from sim.dataset.stored_sequence import StoredSequence
 
 @dataclass(frozen=True, eq=False)
 class Dataset:
-    """A data set. sequences: the finished ones, in the manifest's order."""
+    """A data set. sequences: those that are finished, in the order of the manifest."""
 
     folder: Path
     manifest: Mapping[str, Any]
@@ -26,46 +26,46 @@ class Dataset:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """What was written beside the pictures and the truth."""
+        """Labels beside the pictures and the truth."""
         return tuple(self.manifest["settings"]["labels"])
 
 
 def open_dataset(folder: Path | str) -> Dataset:
     """Open a data set.
 
-    Raises BenchError where it is none, of a newer version, or lacks a sequence that its manifest
-    names.
+    Raises FileError where the folder is not a data set, of a newer version, or lacks a sequence
+    that its manifest names.
     """
     folder = Path(folder)
     path = folder / MANIFEST
     if not path.is_file():
-        raise BenchError(f"{folder}: is no data set (it has no {MANIFEST}).")
+        raise FileError(folder, f"is not a data set: has no {MANIFEST}")
     check_inside(folder, path)
     manifest = read_json(path)
     if manifest.get("kind") != KIND:
-        raise BenchError(f"{path}: is not the manifest of a data set.")
+        raise FileError(path, "is not the manifest of a data set")
     if manifest.get("schema") != SCHEMA_VERSION:
-        raise BenchError(
-            f"{path}: is of version {manifest.get('schema')!r}, this is version {SCHEMA_VERSION}."
+        raise FileError(
+            path, f"is of version {manifest.get('schema')!r}, this is version {SCHEMA_VERSION}"
         )
     entries = manifest.get("sequences")
     settings = manifest.get("settings")
     if not isinstance(entries, list) or not isinstance(settings, dict):
-        raise BenchError(f"{path}: has no list of sequences, or no settings.")
+        raise FileError(path, "has no list of sequences, or no settings")
     if not isinstance(settings.get("labels"), list):
-        raise BenchError(f"{path}: settings.labels must be a list.")
+        raise FileError(path, "settings.labels must be a list")
     sequences: dict[str, StoredSequence] = {}
     for number, entry in enumerate(entries):
         name = entry.get("folder") if isinstance(entry, dict) else None
         if not isinstance(name, str) or not is_sequence_name(name):
-            raise BenchError(f"{path}: sequences.{number}: its folder must be named seq_NNNNNN.")
+            raise FileError(path, f"sequences.{number}: its folder must be named seq_NNNNNN")
         if name in sequences:
-            raise BenchError(f"{path}: sequences.{number}: names {name} a second time.")
+            raise FileError(path, f"sequences.{number}: names {name} a second time")
         if (folder / name).is_symlink():
-            raise BenchError(f"{folder / name}: is a link; a data set has its sequences in it.")
+            raise FileError(folder / name, "is a link; a data set has its sequences in it")
         if not (folder / name).is_dir():
             if manifest.get("complete"):
-                raise BenchError(f"{folder / name}: is missing; the manifest names it.")
+                raise FileError(folder / name, "is missing; the manifest names it")
             continue
         sequences[name] = StoredSequence(folder / name, entry)
     return Dataset(folder, manifest, tuple(sequences.values()))

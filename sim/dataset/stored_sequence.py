@@ -1,9 +1,12 @@
-"""A sequence of a data set on disk: the records of a live simulation, and the labels."""
+"""A sequence of a data set on disk: the records of a live simulation, and the labels.
+
+All content is untrusted: nothing is executed or unpickled, and no path leads out of the data set.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +18,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from pjpdaf.camera import StereoRig
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import FileError
 from pjpdaf.frames import StereoFrame
 from pjpdaf.targets import TARGETS
 from sim.dataset.files import encode
@@ -35,9 +38,9 @@ _LABELS_ONLY = ("keypoint", "amodal_box_", "occluded_by_", "truncation_")
 
 @dataclass(frozen=True, eq=False)
 class StoredSequence:
-    """One sequence. Its methods raise BenchError with the file's name where one is damaged.
+    """A sequence, read from its folder. Every method raises FileError for a damaged file.
 
-    name: of its folder; entry: what the manifest says of it.
+    entry: of the manifest, empty where it has none.
     """
 
     folder: Path
@@ -45,113 +48,104 @@ class StoredSequence:
 
     @property
     def name(self) -> str:
-        """Its folder's name."""
+        """Name of its folder."""
         return self.folder.name
 
     @cached_property
     def rig_json(self) -> dict[str, Any]:
-        """rig.json."""
+        """Content of rig.json."""
         return read_json(self.path(RIG))
 
     @property
     def fps(self) -> float:
-        """Frames a second."""
+        """Frame rate [1/s]."""
         return _number(self.folder / RIG, self.rig_json, "fps", least=0.001, most=10_000.0)
 
     @property
     def frame_count(self) -> int:
-        """Frames."""
+        """Number of frames."""
         return int(_number(self.folder / RIG, self.rig_json, "frames", least=1, most=1e6))
 
     @property
     def background_count(self) -> int:
-        """Person-free frames."""
+        """Number of person-free frames."""
         return int(_number(self.folder / RIG, self.rig_json, "background_frames", 0, 1e5))
 
     @property
     def redrawn(self) -> int:
-        """How many draws of its seed were thrown away (`sim.script.Performance`)."""
+        """Number of rejected draws of the seed (`sim.script.Performance`)."""
         return int(_number(self.folder / RIG, self.rig_json, "redrawn", 0, 1e5))
 
     @property
     def skew_s(self) -> float:
-        """How much later than the left view the right one is exposed [s]."""
+        """Delay of the right view's exposure after the left view's [s]."""
         return _number(self.folder / RIG, self.rig_json, "skew_s", least=0.0, most=10.0)
 
     @cached_property
     def rig(self) -> StereoRig:
-        """The cameras that filmed, in the world."""
+        """The cameras, in the world."""
         return self._cameras("cameras")
 
     @cached_property
     def calibration(self) -> StereoRig:
-        """The calibration that a tracker is given, with its errors where it has some."""
+        """The calibration that a tracker is given, with its errors if any."""
         return self._cameras("calibration")
 
     @cached_property
     def instances(self) -> tuple[Instance, ...]:
-        """What the pixels of `seg` mean."""
+        """The instances whose ids are the pixels of `seg`."""
         path, listed = self.folder / RIG, self.rig_json.get("instances")
         try:
             return tuple(
-                Instance(int(one["id"]), str(one["name"]), str(one["kind"])) for one in listed or ()
+                Instance(int(item["id"]), str(item["name"]), str(item["kind"]))
+                for item in listed or ()
             )
         except (KeyError, TypeError, ValueError, OverflowError) as fault:
-            raise BenchError(f"{path}: instances: is not a list of id, name, kind.") from fault
+            raise FileError(path, "instances: is not a list of id, name, kind") from fault
 
     @cached_property
     def recipe(self) -> dict[str, Any]:
-        """recipe.json."""
+        """Content of recipe.json."""
         return read_json(self.path(RECIPE))
 
     @cached_property
     def events(self) -> dict[str, Any]:
-        """events.json."""
+        """Content of events.json."""
         return read_json(self.path(EVENTS))
 
     @cached_property
     def truth(self) -> pd.DataFrame:
-        """truth.parquet: a row a frame and target."""
+        """truth.parquet: a row per frame and target."""
         return read_table(self.path(TRUTH), TRUTH_SCHEMA).to_pandas()
 
     @cached_property
     def objects(self) -> pd.DataFrame:
-        """objects.parquet: a row a frame and object."""
+        """objects.parquet: a row per frame and object."""
         return read_table(self.path(OBJECTS), OBJECTS_SCHEMA).to_pandas()
 
     @property
     def truths(self) -> tuple[Truth, ...]:
         """The truth of every frame, in order, bit for bit as it was simulated."""
-        return tuple(truth for truth, _, _ in self._told)
+        return tuple(frame.truth for frame in self._frame_truths)
 
     @cached_property
-    def _told(self) -> tuple[tuple[Truth, float, tuple[bool, ...]], ...]:
-        """Per frame its truth, the time that it carries [s], which pictures arrived."""
-        path, T, wanted = self.path(TRUTH), len(TARGETS), self.frame_count
+    def _frame_truths(self) -> tuple[_FrameTruth, ...]:
+        path, T, frames = self.path(TRUTH), len(TARGETS), self.frame_count
         names = [n for n in TRUTH_SCHEMA.names if not n.startswith(_LABELS_ONLY)]
         schema = pa.schema([TRUTH_SCHEMA.field(name) for name in names])
-        table = read_table(path, schema, f"{T * wanted} rows ({wanted} frames)", T * wanted)
+        table = read_table(path, schema, f"{T * frames} rows ({frames} frames)", T * frames)
         try:
             rows = table.to_pylist()
         except ValueError as fault:
-            raise BenchError(f"{path}: holds text that is not UTF-8.") from fault
-        found: list[tuple[Truth, float, tuple[bool, ...]]] = []
-        for index in range(wanted):
-            mine = rows[T * index : T * (index + 1)]
+            raise FileError(path, "holds text that is not UTF-8") from fault
+        truths = []
+        for index in range(frames):
             try:
-                if any(row["frame_index"] != index for row in mine):
-                    raise ValueError("frames must be in order, from 0")
-                truth = truth_of_rows(mine)
-                stamp_s = float(mine[0]["stamp_s"])
-                numbers = np.r_[truth.time_s, stamp_s, truth.centres_m.ravel()]
-                if not np.isfinite(np.r_[numbers, truth.velocities_mps.ravel()]).all():
-                    raise ValueError("times, centres and velocities must be finite")
+                truths.append(_frame_truth(rows[T * index : T * (index + 1)], index))
             except (KeyError, TypeError, ValueError) as fault:
-                said = str(fault).rstrip(".")
-                raise BenchError(f"{path}: frame {index}: {said}.") from fault
-            came = tuple(bool(mine[0][f"arrived_{camera}"]) for camera in CAMERAS)
-            found.append((truth, stamp_s, came))
-        return tuple(found)
+                cause = str(fault).rstrip(".")
+                raise FileError(path, f"frame {index}: {cause}") from fault
+        return tuple(truths)
 
     def background(self) -> list[StereoFrame]:
         """The person-free frames."""
@@ -167,25 +161,25 @@ class StoredSequence:
         ]
 
     def frame(self, index: int) -> StereoFrame:
-        """The pictures of a frame, None where one did not arrive."""
-        _, stamp_s, arrived = self._told[index]
+        """The pictures of a frame, None where a picture did not arrive."""
+        stored = self._frame_truths[index]
         pictures = tuple(
-            self.picture(camera, index, np.uint8, 3) if came else None
-            for camera, came in zip(CAMERAS, arrived, strict=True)
+            self.picture(camera, index, np.uint8, 3) if arrived else None
+            for camera, arrived in zip(CAMERAS, stored.arrived, strict=True)
         )
-        return StereoFrame(index, stamp_s, pictures)
+        return StereoFrame(index, stored.stamp_s, pictures)
 
     def frames(self) -> Iterator[tuple[StereoFrame, Truth]]:
-        """All frames in order with their truth, as `sim.sequence.Simulation.frames` gives them."""
+        """Yield all frames in order with their truth, as `sim.sequence.Simulation.frames` does."""
         for index, truth in enumerate(self.truths):
             yield self.frame(index), truth
 
     def has(self, folder: str) -> bool:
-        """Whether labels of this kind were written, e.g. "depth_left"."""
+        """Whether the sequence has this folder of labels, such as "depth_left"."""
         return (self.folder / folder).is_dir()
 
     def clean(self, view: int, index: int) -> NDArray[np.uint8]:
-        """The picture (h, w, 3) BGR of a view before the sensor's noise and blur."""
+        """Picture (h, w, 3) BGR of a view without the sensor's effects."""
         return self.picture(f"clean_{CAMERAS[view]}", index, np.uint8, 3)
 
     def depth_m(self, view: int, index: int) -> NDArray[np.float32]:
@@ -194,7 +188,7 @@ class StoredSequence:
         return encode.depth_from_png(self.picture(path, index, np.uint16, 1))
 
     def seg(self, view: int, index: int) -> NDArray[np.uint8]:
-        """Instance ids (h, w), as `instances` names them."""
+        """Instance ids (h, w) of `instances`."""
         return self.picture(f"seg_{CAMERAS[view]}", index, np.uint8, 1)
 
     def amodal(self, view: int, index: int) -> NDArray[np.bool_]:
@@ -203,42 +197,41 @@ class StoredSequence:
         return encode.amodal_from_png(bits, len(TARGETS))
 
     def rectified(self, view: int, index: int) -> Matches:
-        """Disparity [px] and status of the rectified pair."""
+        """Disparity [px] and status in the rectified pair."""
         camera = CAMERAS[view]
         disparity = self.picture(f"disparity_{camera}", index, np.uint16, 1)
         status = self.picture(f"occlusion_{camera}", index, np.uint8, 1)
         return Matches(status, disparity_px=encode.disparity_from_png(disparity))
 
     def matches(self, view: int, index: int) -> Matches:
-        """Places in the other view's picture [px], and status."""
+        """Positions in the other view's picture [px], and status."""
         return encode.matches_from_png(
             self.picture(f"correspondence_{CAMERAS[view]}", index, np.uint16, 3)
         )
 
     def floats(self, view: int, index: int) -> dict[str, NDArray[np.float32]]:
-        """What the label `float` holds of a view: depth_m, disparity_px, places_px."""
+        """Arrays of the label `float` of a view: depth_m, disparity_px, places_px."""
         camera = self.rig.cameras[view]
         path = self.path(f"float_{CAMERAS[view]}", picture_name(index, ".npz"))
         return encode.read_npz(path, (camera.height_px, camera.width_px))
 
     def path(self, *parts: str) -> Path:
-        """A file of the sequence. Raises BenchError where it is none, or a link leads elsewhere."""
+        """Path of a file of the sequence, checked to be a plain file inside the data set."""
         path = self.folder.joinpath(*parts)
         check_inside(self.folder.parent, path)
         return path
 
     def picture(self, folder: str, index: int, dtype: type, channels: int) -> NDArray[Any]:
-        """The picture of a folder, checked against the cameras' size."""
+        """A picture of a folder; raises FileError for another size than the cameras'."""
         path = self.path(folder, picture_name(index))
         if path.stat().st_size > MAX_PICTURE_BYTES:
-            raise BenchError(f"{path}: is larger than {MAX_PICTURE_BYTES >> 20} MiB.")
+            raise FileError(path, f"is larger than {MAX_PICTURE_BYTES >> 20} MiB")
         picture = encode.read_png(path, dtype, channels)
         camera = self.rig.left
         if picture.shape[:2] != (camera.height_px, camera.width_px):
             height, width = picture.shape[:2]
-            raise BenchError(
-                f"{path}: is {width}x{height}, the cameras are "
-                f"{camera.width_px}x{camera.height_px}."
+            raise FileError(
+                path, f"is {width}x{height}, the cameras are {camera.width_px}x{camera.height_px}"
             )
         return picture
 
@@ -247,19 +240,40 @@ class StoredSequence:
         try:
             left, right = (camera_of(self.rig_json[key][name]) for name in CAMERAS)
         except KeyError as fault:
-            raise BenchError(f"{path}: {key}: lacks {fault}.") from fault
+            raise FileError(path, f"{key}: lacks {fault}") from fault
         except (TypeError, ValueError, OverflowError) as fault:
-            said = str(fault).rstrip(".")
-            raise BenchError(f"{path}: {key}: {said}.") from fault
+            cause = str(fault).rstrip(".")
+            raise FileError(path, f"{key}: {cause}") from fault
         return StereoRig(left, right)
+
+
+@dataclass(frozen=True, eq=False)
+class _FrameTruth:
+    """A frame's truth, the time that the frame carries [s], and per view if its picture arrived."""
+
+    truth: Truth
+    stamp_s: float
+    arrived: tuple[bool, ...]
+
+
+def _frame_truth(rows: Sequence[Mapping[str, Any]], index: int) -> _FrameTruth:
+    """Of a frame's rows of truth.parquet. Raises KeyError, TypeError or ValueError."""
+    if any(row["frame_index"] != index for row in rows):
+        raise ValueError("frames must be in order, from 0")
+    truth = truth_of_rows(rows)
+    stamp_s = float(rows[0]["stamp_s"])
+    numbers = np.r_[truth.time_s, stamp_s, truth.centres_m.ravel(), truth.velocities_mps.ravel()]
+    if not np.isfinite(numbers).all():
+        raise ValueError("times, centres and velocities must be finite")
+    arrived = tuple(bool(rows[0][f"arrived_{camera}"]) for camera in CAMERAS)
+    return _FrameTruth(truth, stamp_s, arrived)
 
 
 def _number(path: Path, record: Mapping[str, Any], key: str, least: float, most: float) -> float:
     value = record.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise BenchError(f"{path}: {key} must be a number.")
+        raise FileError(path, f"{key} must be a number")
     # A whole number of JSON may have any length: compared before it becomes a float.
     if not (least <= value <= most and math.isfinite(value)):
-        said = str(value)[:20]
-        raise BenchError(f"{path}: {key} must be from {least:g} to {most:g}, got {said}.")
+        raise FileError(path, f"{key} must be from {least:g} to {most:g}, got {str(value)[:20]}")
     return float(value)

@@ -10,14 +10,15 @@ import pjpdaf
 import reports
 import scenarios
 import sim
-from pjpdaf.errors import BenchError, InfrastructureError, PlugInFault
-from pjpdaf.presets.parameters import UnknownPreset
+from pjpdaf.errors import BenchError, FileError, InfrastructureError, PlugInFault
+from pjpdaf.presets.registry import UnknownPreset
 from scenarios.spec.faults import FileFault
 from scenarios.spec.names import UnknownName
 
 LINE = "the picture is 3x2 px; give a larger one"
 # Classes whose constructor takes more than the line.
 ARGUMENTS = {
+    FileError: ("left.png", "not a picture"),
     FileFault: ("file.yaml", (14, 13), "events.1.speeed: no such field"),
     UnknownName: ("scenario", "drnk", ("drink", "cross")),
     UnknownPreset: ("theses", ("thesis", "thesis-literal")),

@@ -5,37 +5,38 @@ Frames, ids and boxes count from 1; ids are 1 head, 2 right hand, 3 left hand; t
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from sim.dataset.export.folder import files_of, replaced_folder, sequences_of
-from sim.dataset.frame_rows import FrameRows, box_of, frames_of
+from sim.dataset.export.export import AddSequence, Export
+from sim.dataset.frame_rows import FrameRows, box_of, read_frame_rows
 from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
-FOLDER = "mot"
 CLASS = 1  # "pedestrian": the only one that MOTChallenge's readers score
 
 
-def export(
-    dataset: Dataset, into: Path, on_sequence: Callable[[str], None] = lambda name: None
-) -> list[Path]:
-    """Write `mot/<sequence>-<camera>/` and `mot/seqmaps/all.txt`; see `registry.Export`."""
-    folder = into / FOLDER
-    with replaced_folder(folder, "MOTChallenge's files") as part:
-        names = []
-        for sequence in sequences_of(dataset):
-            frames = frames_of(sequence)
-            for view, camera in enumerate(CAMERAS):
-                name = f"{sequence.name}-{camera}"
-                names.append(name)
-                _write(part / name / "seqinfo.ini", _seqinfo(sequence, view))
-                _write(part / name / "gt" / "gt.txt", _boxes(frames, camera))
-                _write(part / name / "gt" / "gt_3d.txt", _positions(frames, camera))
-            on_sequence(sequence.name)
-        _write(part / "seqmaps" / "all.txt", "".join(f"{name}\n" for name in ["name", *names]))
-    return files_of(folder)
+@contextmanager
+def write_mot(dataset: Dataset, folder: Path) -> Iterator[AddSequence]:
+    """Write `<sequence>-<camera>/` and `seqmaps/all.txt`."""
+    names = []
+
+    def add(sequence: StoredSequence) -> None:
+        frames = read_frame_rows(sequence)
+        for view, camera in enumerate(CAMERAS):
+            name = f"{sequence.name}-{camera}"
+            names.append(name)
+            _write(folder / name / "seqinfo.ini", _seqinfo(sequence, view))
+            _write(folder / name / "gt" / "gt.txt", _boxes(frames, camera))
+            _write(folder / name / "gt" / "gt_3d.txt", _positions(frames, camera))
+
+    yield add
+    _write(folder / "seqmaps" / "all.txt", "".join(f"{name}\n" for name in ["name", *names]))
+
+
+export = Export("mot", "MOTChallenge's files", write_mot)
 
 
 def _boxes(frames: list[FrameRows], camera: str) -> str:
@@ -51,7 +52,7 @@ def _boxes(frames: list[FrameRows], camera: str) -> str:
 
 
 def _positions(frames: list[FrameRows], camera: str) -> str:
-    """A line for each target in each frame: x, y, z [m]; hidden ones have no box, and active 0."""
+    """A line for each target in each frame: x, y, z [m]; hidden targets: no box, active 0."""
     lines = []
     for frame in frames:
         for number, row in enumerate(frame.targets, 1):

@@ -1,6 +1,6 @@
-"""Parquet that Hugging Face's `datasets` loads without a script: a row a frame.
+"""Parquet that Hugging Face's `datasets` loads without a script: a row per frame.
 
-Both pictures lie in it as PNG. The lists over targets are in the order of TARGETS, those over
+Both pictures are stored as PNG. The lists over targets are in the order of TARGETS, those over
 keypoints in the order of `records.KEYPOINTS`; a number that does not exist is NaN.
 """
 
@@ -8,26 +8,25 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from pjpdaf.camera import Camera
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import FileError
 from pjpdaf.targets import TARGETS
-from sim.dataset.export.folder import file_bytes, files_of, replaced_folder, sequences_of
+from sim.dataset.export.export import AddSequence, Export, file_bytes
+from sim.dataset.export.parquet_files import ParquetFiles
 from sim.dataset.files.layout import MANIFEST, picture_name
-from sim.dataset.frame_rows import FrameRow, FrameRows, box_of, frames_of
+from sim.dataset.frame_rows import FrameRow, FrameRows, box_of, read_frame_rows
 from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
-FOLDER = "parquet"
 FILE_BYTES = 512 << 20
-GROUP_ROWS, GROUP_BYTES = 100, 32 << 20  # of a row group, which is held in memory
 _QUATERNION = ("qw", "qx", "qy", "qz")
 _PICTURE = pa.struct([("bytes", pa.binary()), ("path", pa.string())])
 _F, _I, _S, _B = pa.float64(), pa.int64(), pa.string(), pa.bool_()
@@ -96,37 +95,35 @@ SCHEMA = pa.schema(_COLUMNS).with_metadata(
 )
 
 
-def export(
-    dataset: Dataset,
-    into: Path,
-    on_sequence: Callable[[str], None] = lambda name: None,
-    *,
-    most_bytes: int = FILE_BYTES,
-) -> list[Path]:
-    """Write `parquet/frames-00000-of-00001.parquet` and so on; see `registry.Export`.
+def exporter(most_bytes: int = FILE_BYTES) -> Export:
+    """The export to `parquet/frames-00000-of-00001.parquet` and so on.
 
-    A file ends with the row group in which it comes to this many bytes.
+    A file ends with the row group in which it reaches most_bytes.
     """
-    folder = into / FOLDER
-    with replaced_folder(folder, "the Parquet files") as part:
-        with _Files(part, most_bytes) as files:
-            for sequence in sequences_of(dataset):
-                common = _common(dataset, sequence)
-                for frame in frames_of(sequence):
-                    files.add({**common, **_pictures(sequence, frame), **_said(frame)})
-                on_sequence(sequence.name)
-        files.name()
-    return files_of(folder)
+
+    @contextmanager
+    def write_parquet(dataset: Dataset, folder: Path) -> Iterator[AddSequence]:
+        def add(sequence: StoredSequence) -> None:
+            common = _common(dataset, sequence)
+            for frame in read_frame_rows(sequence):
+                files.add({**common, **_pictures(sequence, frame), **_frame_columns(frame)})
+
+        with closing(ParquetFiles(folder, SCHEMA, most_bytes)) as files:
+            yield add
+            files.finish()
+
+    return Export("parquet", "the Parquet files", write_parquet)
 
 
 def _common(dataset: Dataset, sequence: StoredSequence) -> dict[str, Any]:
+    """The columns that all frames of a sequence share."""
     entry = sequence.entry
     row: dict[str, Any] = {"sequence": sequence.name}
     for key, kind in {"scenario": str, "group": str, "seed": int}.items():
         row[key] = entry.get(key)
         if not isinstance(row[key], kind):
             path = dataset.folder / MANIFEST
-            raise BenchError(f"{path}: sequences: {sequence.name}: {key} must be {kind.__name__}.")
+            raise FileError(path, f"sequences: {sequence.name}: {key} must be {kind.__name__}")
     for kind_, rig in (("camera", sequence.rig), ("calibration", sequence.calibration)):
         for name, camera in zip(CAMERAS, rig.cameras, strict=True):
             row |= {f"{kind_}_{part}_{name}": value for part, value in _numbers(camera).items()}
@@ -149,51 +146,52 @@ def _pictures(sequence: StoredSequence, frame: FrameRows) -> dict[str, Any]:
     return row
 
 
-def _said(frame: FrameRows) -> dict[str, Any]:
-    targets, things = frame.targets, frame.objects
-    row: dict[str, Any] = {
+def _frame_columns(frame: FrameRows) -> dict[str, Any]:
+    """The columns that the frame's rows of the tables give."""
+    targets, objects = frame.targets, frame.objects
+    columns: dict[str, Any] = {
         "frame_index": frame.index,
         "time_s": frame.time_s,
         "stamp_s": frame.stamp_s,
         "events": targets[0]["events"],
-        "positions_m": [_vector(one, "{}_m") for one in targets],
-        "quaternions": [[one[q] for q in _QUATERNION] for one in targets],
-        "velocities_mps": [_vector(one, "v{}_mps") for one in targets],
-        "surfaces_m": [_vector(one, "surface_{}_m") for one in targets],
-        "keypoints_m": [point for one in targets for point in one["keypoints_m"]],
-        "objects": [one["object"] for one in things],
-        "object_positions_m": [_vector(one, "{}_m") for one in things],
-        "object_quaternions": [[one[q] for q in _QUATERNION] for one in things],
-        "object_velocities_mps": [_vector(one, "v{}_mps") for one in things],
+        "positions_m": [_vector(row, "{}_m") for row in targets],
+        "quaternions": [[row[q] for q in _QUATERNION] for row in targets],
+        "velocities_mps": [_vector(row, "v{}_mps") for row in targets],
+        "surfaces_m": [_vector(row, "surface_{}_m") for row in targets],
+        "keypoints_m": [point for row in targets for point in row["keypoints_m"]],
+        "objects": [row["object"] for row in objects],
+        "object_positions_m": [_vector(row, "{}_m") for row in objects],
+        "object_quaternions": [[row[q] for q in _QUATERNION] for row in objects],
+        "object_velocities_mps": [_vector(row, "v{}_mps") for row in objects],
     }
     for camera in CAMERAS:
-        hidden = [one[f"occluded_by_{camera}"] for one in targets]
-        row |= {
-            f"boxes_{camera}_px": [_box(one, camera, "") for one in targets],
-            f"amodal_boxes_{camera}_px": [_box(one, camera, "amodal_") for one in targets],
+        occluders = [row[f"occluded_by_{camera}"] for row in targets]
+        columns |= {
+            f"boxes_{camera}_px": [_box(row, camera, "") for row in targets],
+            f"amodal_boxes_{camera}_px": [_box(row, camera, "amodal_") for row in targets],
             f"centroids_{camera}_px": [
-                [_known(one[f"{axis}_{camera}_px"]) for axis in "uv"] for one in targets
+                [_known(row[f"{axis}_{camera}_px"]) for axis in "uv"] for row in targets
             ],
-            f"visible_{camera}_px": [one[f"visible_{camera}_px"] for one in targets],
-            f"amodal_{camera}_px": [one[f"amodal_{camera}_px"] for one in targets],
-            f"visible_fractions_{camera}": [one[f"visible_fraction_{camera}"] for one in targets],
-            f"truncations_{camera}": [one[f"truncation_{camera}"] for one in targets],
+            f"visible_{camera}_px": [row[f"visible_{camera}_px"] for row in targets],
+            f"amodal_{camera}_px": [row[f"amodal_{camera}_px"] for row in targets],
+            f"visible_fractions_{camera}": [row[f"visible_fraction_{camera}"] for row in targets],
+            f"truncations_{camera}": [row[f"truncation_{camera}"] for row in targets],
             f"merged_{camera}": [
-                [other in one[f"merged_with_{camera}"] for other in TARGETS] for one in targets
+                [other in row[f"merged_with_{camera}"] for other in TARGETS] for row in targets
             ],
-            f"occluders_{camera}": [[by["instance"] for by in one] for one in hidden],
-            f"occluded_{camera}_px": [[by["pixels"] for by in one] for one in hidden],
+            f"occluders_{camera}": [[by["instance"] for by in listed] for listed in occluders],
+            f"occluded_{camera}_px": [[by["pixels"] for by in listed] for listed in occluders],
             f"keypoints_{camera}_px": [
                 [_known(value) for value in point]
-                for one in targets
-                for point in one[f"keypoints_{camera}_px"]
+                for row in targets
+                for point in row[f"keypoints_{camera}_px"]
             ],
             f"keypoint_status_{camera}": [
-                said for one in targets for said in one[f"keypoint_status_{camera}"]
+                status for row in targets for status in row[f"keypoint_status_{camera}"]
             ],
-            f"object_visible_{camera}_px": [one[f"visible_{camera}_px"] for one in things],
+            f"object_visible_{camera}_px": [row[f"visible_{camera}_px"] for row in objects],
         }
-    return row
+    return columns
 
 
 def _vector(row: FrameRow, name: str) -> list[float]:
@@ -206,58 +204,3 @@ def _box(row: FrameRow, camera: str, prefix: str) -> list[float]:
 
 def _known(value: float | None) -> float:
     return math.nan if value is None else value
-
-
-class _Files:
-    """Parquet files of row groups; how many there are is known, and said, at the end."""
-
-    def __init__(self, folder: Path, most_bytes: int) -> None:
-        self._folder, self._most_bytes = folder, most_bytes
-        self._paths: list[Path] = []
-        self._writer: pq.ParquetWriter | None = None
-        self._rows: list[Mapping[str, Any]] = []
-        self._held = self._written = 0
-
-    def add(self, row: Mapping[str, Any]) -> None:
-        """The next row."""
-        self._rows.append(row)
-        self._held += sum(len(row[c]["bytes"]) for c in CAMERAS if row[c] is not None)
-        if len(self._rows) >= GROUP_ROWS or self._held >= min(GROUP_BYTES, self._most_bytes):
-            self._write_group()
-
-    def name(self) -> None:
-        """Give the finished files their names."""
-        for index, path in enumerate(self._paths):
-            path.rename(path.with_name(f"frames-{index:05d}-of-{len(self._paths):05d}.parquet"))
-
-    def _write_group(self) -> None:
-        if self._writer is None:
-            self._paths.append(self._folder / f"{len(self._paths)}.parquet")
-            labels = [name for name in SCHEMA.names if name not in CAMERAS]
-            self._writer = pq.ParquetWriter(
-                self._paths[-1],
-                SCHEMA,
-                compression="zstd",
-                # Pictures are neither alike nor to be compared.
-                use_dictionary=labels,
-                write_statistics=labels,
-            )
-            self._written = 0
-        self._writer.write_table(pa.Table.from_pylist(self._rows, schema=SCHEMA))
-        self._written += self._held
-        self._rows, self._held = [], 0
-        if self._written >= self._most_bytes:
-            self._close()
-
-    def _close(self) -> None:
-        if self._writer is not None:
-            self._writer.close()
-            self._writer = None
-
-    def __enter__(self) -> _Files:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is None and self._rows:
-            self._write_group()
-        self._close()

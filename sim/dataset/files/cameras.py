@@ -13,7 +13,7 @@ ORTHONORMAL = 1e-6  # how far R Rᵀ of a camera may be from the identity
 
 
 def camera_record(camera: Camera) -> dict[str, Any]:
-    """A camera as plain numbers."""
+    """The plain numbers of a camera."""
     return {
         "K": camera.K.tolist(),
         "R_cw": camera.R_cw.tolist(),
@@ -25,7 +25,7 @@ def camera_record(camera: Camera) -> dict[str, Any]:
 
 
 def camera_of(record: Mapping[str, Any]) -> Camera:
-    """A camera from its plain numbers. Raises KeyError, TypeError or ValueError."""
+    """The camera of plain numbers. Raises KeyError, TypeError or ValueError."""
     width, height = int(record["width_px"]), int(record["height_px"])
     if not (0 < width <= 20_000 and 0 < height <= 20_000):
         raise ValueError("width_px and height_px must be 1 to 20000")

@@ -1,4 +1,4 @@
-"""SHA256SUMS as `sha256sum` writes and checks them: a line a file, sorted by path."""
+"""SHA256SUMS in the format of `sha256sum`: a line per file, sorted by path."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import FileError
 
 _LINE = re.compile(r"([0-9a-f]{64})  (.+)")
 
@@ -19,29 +19,29 @@ def sha256_of(path: Path) -> str:
 
 
 def text_of(sums: Mapping[str, str]) -> str:
-    """The file's text of path -> SHA-256."""
+    """Text of a SHA256SUMS file from path -> SHA-256."""
     return "".join(f"{sums[path]}  {path}\n" for path in sorted(sums))
 
 
 def read_sums(path: Path) -> dict[str, str]:
-    """Path -> SHA-256 of a SHA256SUMS file.
+    """Read a SHA256SUMS file: path -> SHA-256.
 
-    Raises BenchError where it is missing, is none, or names a file outside its folder.
+    Raises FileError where it is missing or damaged, or names a file outside its folder.
     """
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as fault:
-        raise BenchError(f"{path}: cannot be read: {fault}.") from fault
+        raise FileError(path, f"cannot be read: {fault}") from fault
     sums = {}
     for number, line in enumerate(lines, 1):
-        found = _LINE.fullmatch(line)
-        parts = PurePosixPath(found[2]).parts if found else ()
-        if not found or found[2].startswith("/") or ".." in parts:
-            raise BenchError(f"{path}:{number}: is no line of checksums inside this folder.")
-        sums[found[2]] = found[1]
+        match = _LINE.fullmatch(line)
+        parts = PurePosixPath(match[2]).parts if match else ()
+        if not match or match[2].startswith("/") or ".." in parts:
+            raise FileError(path, "is not a line of checksums inside this folder", number)
+        sums[match[2]] = match[1]
     return sums
 
 
 def files_below(folder: Path) -> list[Path]:
-    """All files below a folder, hidden ones too, sorted."""
+    """All files below a folder, hidden files too, sorted."""
     return sorted(path for path in folder.rglob("*") if path.is_file())

@@ -12,12 +12,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import FileError
 from sim.dataset.files.layout import DEPTH_UNIT_M, DISPARITY_SCALE, FLOW_SCALE, FLOW_ZERO
 from sim.dataset.labels.records import NO_SURFACE, Matches
 
 _PNG = b"\x89PNG\r\n\x1a\n"
-# What the libraries raise of a file that is none, cut short, locked or packed in another way.
+# Raised by the libraries for a file that is no NPZ, cut short, locked or packed in another way.
 _NPZ_FAULTS = (
     ValueError,
     EOFError,
@@ -26,7 +26,7 @@ _NPZ_FAULTS = (
     zipfile.BadZipFile,
     zlib.error,
 )
-FLOATS = ("depth_m", "disparity_px", "places_px")  # what the label `float` holds
+FLOATS = ("depth_m", "disparity_px", "places_px")  # arrays of the label `float`
 MOST_PX = 64 << 20  # pixels of a picture that is read; a PNG of a few kB can hold far more
 
 
@@ -40,23 +40,24 @@ def png(picture: NDArray[Any]) -> bytes:
 def read_png(path: Path, dtype: type, channels: int) -> NDArray[Any]:
     """The picture of a PNG file (h, w) or (h, w, channels).
 
-    Raises BenchError where it is missing, damaged, or of another kind.
+    Raises FileError where it is missing, damaged, or of another kind.
     """
     try:
         data = path.read_bytes()
     except OSError as fault:
-        raise BenchError(f"{path}: cannot be read: {fault.strerror}.") from fault
+        raise FileError(path, f"cannot be read: {fault.strerror}") from fault
     if data[:8] != _PNG or data[12:16] != b"IHDR":
-        raise BenchError(f"{path}: is not a PNG picture, or a damaged one.")
+        raise FileError(path, "is not a PNG picture, or a damaged one")
     # Width and height stand in the first chunk; a picture is not unpacked to find out.
     width, height = (int.from_bytes(data[at : at + 4], "big") for at in (16, 20))
     if not 0 < width * height <= MOST_PX:
-        raise BenchError(
-            f"{path}: says that it is {width}x{height}; more than {MOST_PX >> 20} million pixels "
-            "are not read."
+        raise FileError(
+            path,
+            f"says that it is {width}x{height}; more than {MOST_PX >> 20} million pixels "
+            "are not read",
         )
     if not _is_whole(data):
-        raise BenchError(f"{path}: is a damaged PNG picture.")
+        raise FileError(path, "is a damaged PNG picture")
     level = cv2.utils.logging.getLogLevel()
     cv2.utils.logging.setLogLevel(0)  # OpenCV prints what is raised here as well
     try:
@@ -66,12 +67,13 @@ def read_png(path: Path, dtype: type, channels: int) -> NDArray[Any]:
     finally:
         cv2.utils.logging.setLogLevel(level)
     if picture is None:
-        raise BenchError(f"{path}: is a damaged PNG picture.")
+        raise FileError(path, "is a damaged PNG picture")
     shape = picture.shape[:2] if channels == 1 else (*picture.shape[:2], channels)
     if picture.dtype != dtype or picture.shape != shape:
-        raise BenchError(
-            f"{path}: must have {channels} channels of {np.dtype(dtype).name}, has "
-            f"{1 if picture.ndim == 2 else picture.shape[2]} of {picture.dtype.name}."
+        raise FileError(
+            path,
+            f"must have {channels} channels of {np.dtype(dtype).name}, has "
+            f"{1 if picture.ndim == 2 else picture.shape[2]} of {picture.dtype.name}",
         )
     return np.asarray(picture)
 
@@ -90,31 +92,31 @@ def _is_whole(data: bytes) -> bool:
 
 
 def depth_to_png(depth_m: NDArray[np.float32]) -> NDArray[np.uint16]:
-    """Planar z (h, w) [m], NaN for nothing, in DEPTH_UNIT_M; 0 where nothing is or too far."""
+    """Planar z (h, w) [m], NaN for nothing, in DEPTH_UNIT_M; 0 for nothing or too far."""
     return _whole(depth_m.astype(np.float64) / DEPTH_UNIT_M)
 
 
 def depth_from_png(picture: NDArray[np.uint16]) -> NDArray[np.float32]:
-    """The inverse, NaN for 0."""
+    """Inverse of the encoding; NaN for 0."""
     metres = picture.astype(np.float64) * DEPTH_UNIT_M
     return np.where(picture > 0, metres, np.nan).astype(np.float32)
 
 
 def disparity_to_png(disparity_px: NDArray[np.float32]) -> NDArray[np.uint16]:
-    """Disparity (h, w) [px], NaN for none, as KITTI has it: 1/256 px, 0 for none."""
+    """Disparity (h, w) [px], NaN for none, in the format of KITTI: 1/256 px, 0 for none."""
     return _whole(disparity_px.astype(np.float64) * DISPARITY_SCALE)
 
 
 def disparity_from_png(picture: NDArray[np.uint16]) -> NDArray[np.float32]:
-    """The inverse, NaN for 0."""
+    """Inverse of the encoding; NaN for 0."""
     return np.where(picture > 0, picture / DISPARITY_SCALE, np.nan).astype(np.float32)
 
 
 def matches_to_png(matches: Matches) -> NDArray[np.uint16]:
-    """`Matches.places_px` as KITTI has flow, (h, w, 3): status, dy, dx as OpenCV orders channels.
+    """`Matches.places_px` in KITTI's flow format, (h, w, 3): status, dy, dx in OpenCV's order.
 
-    A place farther away than the format reaches (512 px) is at its end; none is outside the frame
-    by less.
+    A position beyond the range of the format (512 px) is clipped to its end, which is outside the
+    frame.
     """
     assert matches.places_px is not None, "only matches of the pictures as they are have places"
     height, width = matches.status.shape
@@ -131,7 +133,7 @@ def matches_to_png(matches: Matches) -> NDArray[np.uint16]:
 
 
 def matches_from_png(flow: NDArray[np.uint16]) -> Matches:
-    """The inverse, to 1/128 px."""
+    """Inverse of `matches_to_png`, to 1/128 px."""
     height, width = flow.shape[:2]
     ys, xs = np.mgrid[:height, :width]
     moved = (flow[..., 2:0:-1].astype(np.float64) - FLOW_ZERO) / FLOW_SCALE
@@ -150,7 +152,7 @@ def amodal_to_png(masks: NDArray[np.bool_]) -> NDArray[np.uint8]:
 
 
 def amodal_from_png(bits: NDArray[np.uint8], targets: int) -> NDArray[np.bool_]:
-    """The inverse (targets, h, w)."""
+    """Inverse of `amodal_to_png` (targets, h, w)."""
     return np.stack([(bits >> target) & 1 for target in range(targets)]).astype(bool)
 
 
@@ -164,31 +166,31 @@ def npz(**arrays: NDArray[Any]) -> bytes:
 def read_npz(path: Path, size_px: tuple[int, int]) -> dict[str, NDArray[np.float32]]:
     """Arrays of the label `float` by name; size_px: height and width that they must have.
 
-    Raises BenchError where the file is missing, damaged, or holds anything else.
+    Raises FileError where the file is missing, damaged, or holds anything else.
     """
-    found: dict[str, NDArray[np.float32]] = {}
+    arrays: dict[str, NDArray[np.float32]] = {}
     try:
         with zipfile.ZipFile(io.BytesIO(path.read_bytes())) as held:
             for entry in held.infolist():
                 name = entry.filename.removesuffix(".npy")
                 shape = (*size_px, 2) if name == "places_px" else size_px
-                if name not in FLOATS or name in found:
+                if name not in FLOATS or name in arrays:
                     raise ValueError(f"it may not hold {entry.filename[:40]!r}")
                 with held.open(entry) as file:
                     # The header says how much is unpacked; it is checked before that is.
                     version = np.lib.format.read_magic(file)
                     if version != (1, 0):
                         raise ValueError(f"{name} is of another version of the format")
-                    said, _, dtype = np.lib.format.read_array_header_1_0(file)
-                    if said != shape or dtype != np.float32:
-                        raise ValueError(f"{name} is {dtype} {said}, must be float32 {shape}")
+                    stored, _, dtype = np.lib.format.read_array_header_1_0(file)
+                    if stored != shape or dtype != np.float32:
+                        raise ValueError(f"{name} is {dtype} {stored}, must be float32 {shape}")
                 with held.open(entry) as file:
-                    found[name] = np.lib.format.read_array(file, allow_pickle=False)
+                    arrays[name] = np.lib.format.read_array(file, allow_pickle=False)
     except OSError as fault:
-        raise BenchError(f"{path}: cannot be read: {fault.strerror or fault}.") from fault
+        raise FileError(path, f"cannot be read: {fault.strerror or fault}") from fault
     except _NPZ_FAULTS as fault:
-        raise BenchError(f"{path}: is a damaged NPZ file: {_one_line(fault)}.") from fault
-    return found
+        raise FileError(path, f"is a damaged NPZ file: {_one_line(fault)}") from fault
+    return arrays
 
 
 def _one_line(fault: Exception) -> str:

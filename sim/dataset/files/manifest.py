@@ -1,4 +1,4 @@
-"""manifest.json: which sequences a data set has, how they were made, whether all are there."""
+"""manifest.json: the sequences of a data set, how they were made, and if all are there."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ LICENCE = "CC-BY-4.0"  # of the pictures and labels that are made
 class SequenceEntry:
     """A sequence of a data set.
 
-    folder: its name; scenario, label, group, seed: what is played (label: its name in results);
-    rung: of the ladder, "" without one; digest: of scenario, seed and changed values.
+    folder: its name; scenario, label, group, seed: of the episode (label: its name in results);
+    rung: of the ladder, "" without a ladder; digest: of scenario, seed and changed values.
     """
 
     folder: str
@@ -42,8 +42,8 @@ def manifest_record(
 ) -> dict[str, Any]:
     """The content of manifest.json.
 
-    settings: labels, size and whatever else the pictures depend on; made_with: versions, renderer;
-    command: words that make it again.
+    settings: labels, size and all else that the pictures depend on; made_with: versions, renderer;
+    command: arguments that make it again.
     """
     return {
         "kind": KIND,
@@ -59,6 +59,6 @@ def manifest_record(
 
 
 def write_manifest(folder: Path, record: Mapping[str, Any]) -> None:
-    """Write or replace it, whole or not at all. Raises BenchError of the disk."""
+    """Write or replace manifest.json, whole or not at all. Raises BenchError of the disk."""
     with written_whole_file(folder / MANIFEST, "the manifest", replace=True) as path:
         path.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")

@@ -10,7 +10,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import FileError
 
 MAX_JSON_BYTES = 256 << 20
 MAX_ROWS = 10_000_000
@@ -18,57 +18,58 @@ MAX_TABLE_BYTES = 8 << 30  # unpacked
 
 
 def check_inside(folder: Path, path: Path) -> None:
-    """Raise BenchError unless a path is a plain file in a folder, links followed."""
+    """Raise FileError unless a path is a plain file in a folder, links followed."""
     real = os.path.realpath(path)
     if not Path(real).is_relative_to(os.path.realpath(folder)):
-        raise BenchError(
-            f"{path}: is a link that leads out of the data set; copy it with its links followed "
-            "(cp -rL)."
+        raise FileError(
+            path,
+            "is a link that leads out of the data set; copy it with its links followed (cp -rL)",
         )
     if not Path(real).exists():
-        raise BenchError(f"{path}: is missing.")
+        raise FileError(path, "is missing")
     if not Path(real).is_file():
-        raise BenchError(f"{path}: is no file.")
+        raise FileError(path, "is not a file")
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """A JSON object. Raises BenchError where it is none."""
+    """Read a JSON object. Raises FileError for anything else."""
     try:
         if path.stat().st_size > MAX_JSON_BYTES:
-            raise BenchError(f"{path}: is larger than {MAX_JSON_BYTES >> 20} MiB.")
+            raise FileError(path, f"is larger than {MAX_JSON_BYTES >> 20} MiB")
         record = json.loads(path.read_text(encoding="utf-8"))
     except OSError as fault:
-        raise BenchError(f"{path}: cannot be read: {fault.strerror}.") from fault
+        raise FileError(path, f"cannot be read: {fault.strerror}") from fault
     except (ValueError, RecursionError) as fault:
-        raise BenchError(f"{path}: is not JSON: {fault}.") from fault
+        raise FileError(path, f"is not JSON: {fault}") from fault
     if not isinstance(record, dict):
-        raise BenchError(f"{path}: is not a JSON object.")
+        raise FileError(path, "is not a JSON object")
     return record
 
 
 def read_table(
     path: Path, schema: pa.Schema, wanted: str = "", rows: int | None = None
 ) -> pa.Table:
-    """The columns of a schema of a Parquet file, which may have more.
+    """Read the columns of a schema from a Parquet file, which may have more.
 
-    rows: how many it must have; wanted: the same in words. Raises BenchError where it has not.
+    rows: their required number; wanted: the same in words. Raises FileError for a damaged file or
+    another number.
     """
     try:
         with pq.ParquetFile(path) as file:
-            there = file.metadata
-            groups = [there.row_group(i).total_byte_size for i in range(there.num_row_groups)]
-            if there.num_rows > MAX_ROWS or sum(groups) > MAX_TABLE_BYTES:
-                raise BenchError(
-                    f"{path}: has more than {MAX_ROWS} rows or {MAX_TABLE_BYTES >> 30} GiB."
+            metadata = file.metadata
+            groups = [metadata.row_group(i).total_byte_size for i in range(metadata.num_row_groups)]
+            if metadata.num_rows > MAX_ROWS or sum(groups) > MAX_TABLE_BYTES:
+                raise FileError(
+                    path, f"has more than {MAX_ROWS} rows or {MAX_TABLE_BYTES >> 30} GiB"
                 )
             missing = set(schema.names) - set(file.schema_arrow.names)
             if missing:
-                raise BenchError(f"{path}: lacks the columns {', '.join(sorted(missing))}.")
-            if rows is not None and there.num_rows != rows:
-                raise BenchError(f"{path}: must have {wanted}, has {there.num_rows}.")
+                raise FileError(path, f"lacks the columns {', '.join(sorted(missing))}")
+            if rows is not None and metadata.num_rows != rows:
+                raise FileError(path, f"must have {wanted}, has {metadata.num_rows}")
             return file.read(columns=schema.names).select(schema.names).cast(schema)
     except FileNotFoundError as fault:
-        raise BenchError(f"{path}: is missing.") from fault
+        raise FileError(path, "is missing") from fault
     except (OSError, KeyError, ValueError, pa.ArrowException) as fault:
-        said = str(fault).partition("\n")[0].rstrip(".")
-        raise BenchError(f"{path}: cannot be read as Parquet: {said}.") from fault
+        cause = str(fault).partition("\n")[0].rstrip(".")
+        raise FileError(path, f"cannot be read as Parquet: {cause}") from fault

@@ -1,4 +1,4 @@
-"""truth.parquet and objects.parquet: rows of exact numbers, and the records that they came from."""
+"""truth.parquet and objects.parquet: schemas, rows of exact numbers, and the truth from rows."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pyarrow as pa
 
 from pjpdaf.targets import TARGETS
 from sim.dataset.labels.instances import Instances
-from sim.dataset.labels.records import FrameLabels
+from sim.dataset.labels.records import KEYPOINTS, FrameLabels
 from sim.scene.world import CAMERAS
 from sim.truth import Truth, ViewTruth
 
@@ -36,7 +36,7 @@ def _view_fields(view: str) -> list[tuple[str, pa.DataType]]:
     ]
 
 
-# A row a frame and target.
+# A row per frame and target.
 TRUTH_SCHEMA = pa.schema(
     [
         ("frame_index", _I),
@@ -53,7 +53,7 @@ TRUTH_SCHEMA = pa.schema(
         ("events", pa.list_(_S)),
     ]
 )
-# A row a frame and object.
+# A row per frame and object.
 OBJECTS_SCHEMA = pa.schema(
     [
         ("frame_index", _I),
@@ -73,13 +73,12 @@ def truth_rows(
     truth: Truth,
     labels: FrameLabels,
     instances: Instances,
-    keypoints: Sequence[Sequence[int]],
 ) -> list[dict[str, Any]]:
-    """A row per target; keypoints: of each target, its numbers in `KEYPOINTS`."""
-    names = {one.id: one.name for one in instances.table}
+    """Rows of a frame for truth.parquet, one per target."""
+    names = {instance.id: instance.name for instance in instances.table}
     rows = []
     for t, target in enumerate(TARGETS):
-        mine = list(keypoints[t])
+        keypoints = [k for k, (owner, _) in enumerate(KEYPOINTS) if owner == t]
         row: dict[str, Any] = {
             "frame_index": truth.index,
             "time_s": truth.time_s,
@@ -89,34 +88,36 @@ def truth_rows(
             **_numbers(_QUATERNION, labels.quaternions[t]),
             **_numbers([f"v{a}_mps" for a in _AXES], truth.velocities_mps[t]),
             **_numbers([f"surface_{a}_m" for a in _AXES], truth.surfaces_m[t]),
-            "keypoints_m": labels.keypoints_m[mine].tolist(),
+            "keypoints_m": labels.keypoints_m[keypoints].tolist(),
             "events": list(truth.events),
         }
-        for view, came, seen, said in zip(CAMERAS, arrived, truth.views, labels.views, strict=True):
-            hidden = said.hidden_px[t]
+        for view, has_picture, seen, own in zip(
+            CAMERAS, arrived, truth.views, labels.views, strict=True
+        ):
+            hidden = own.hidden_px[t]
             row |= {
-                f"arrived_{view}": came,
+                f"arrived_{view}": has_picture,
                 **_numbers([f"u_{view}_px", f"v_{view}_px"], seen.centroids_px[t]),
                 f"visible_{view}_px": int(seen.visible_px[t]),
                 f"amodal_{view}_px": int(seen.amodal_px[t]),
                 f"visible_fraction_{view}": float(seen.visible_fractions[t]),
-                f"truncation_{view}": float(said.truncation[t]),
+                f"truncation_{view}": float(own.truncation[t]),
                 **_numbers([f"box_{p}_{view}_px" for p in _BOX], seen.boxes_px[t]),
-                **_numbers([f"amodal_box_{p}_{view}_px" for p in _BOX], said.amodal_boxes_px[t]),
+                **_numbers([f"amodal_box_{p}_{view}_px" for p in _BOX], own.amodal_boxes_px[t]),
                 f"occluded_by_{view}": [
                     {"instance": names.get(i, "nothing"), "pixels": int(hidden[i])}
                     for i in np.flatnonzero(hidden).tolist()
                 ],
                 f"merged_with_{view}": [TARGETS[o] for o in np.flatnonzero(seen.merged[t])],
-                f"keypoints_{view}_px": [_pair(p) for p in said.keypoints_px[mine]],
-                f"keypoint_status_{view}": said.keypoint_status[mine].tolist(),
+                f"keypoints_{view}_px": [_pair(p) for p in own.keypoints_px[keypoints]],
+                f"keypoint_status_{view}": own.keypoint_status[keypoints].tolist(),
             }
         rows.append(row)
     return rows
 
 
 def object_rows(truth: Truth, labels: FrameLabels) -> list[dict[str, Any]]:
-    """A row per object."""
+    """Rows of a frame for objects.parquet, one per object."""
     return [
         {
             "frame_index": truth.index,
@@ -126,8 +127,8 @@ def object_rows(truth: Truth, labels: FrameLabels) -> list[dict[str, Any]]:
             **_numbers(_QUATERNION, state.quaternion),
             **_numbers([f"v{a}_mps" for a in _AXES], state.velocity_mps),
             **{
-                f"visible_{view}_px": int(said.objects_px[i])
-                for view, said in zip(CAMERAS, labels.views, strict=True)
+                f"visible_{view}_px": int(view_labels.objects_px[i])
+                for view, view_labels in zip(CAMERAS, labels.views, strict=True)
             },
         }
         for i, state in enumerate(labels.objects)
@@ -144,23 +145,23 @@ def _pair(point: Any) -> list[float | None]:
 
 
 def truth_of_rows(rows: Sequence[Mapping[str, Any]]) -> Truth:
-    """The record that the rows of one frame came from, bit for bit; rows in TARGETS' order.
+    """The truth that the rows of a frame came from, bit for bit; rows in the order of TARGETS.
 
-    Raises ValueError or KeyError where they are not such rows.
+    Raises ValueError or KeyError for rows of another order or form.
     """
     if [row["target"] for row in rows] != list(TARGETS):
         raise ValueError(f"the targets must be {', '.join(TARGETS)}, in this order")
     first = rows[0]
     views = []
     for view in CAMERAS:
-        together = [[other in row[f"merged_with_{view}"] for other in TARGETS] for row in rows]
+        merged = [[other in row[f"merged_with_{view}"] for other in TARGETS] for row in rows]
         views.append(
             ViewTruth(
                 centroids_px=_array(rows, [f"u_{view}_px", f"v_{view}_px"]),
                 visible_px=np.array([row[f"visible_{view}_px"] for row in rows], np.int64),
                 amodal_px=np.array([row[f"amodal_{view}_px"] for row in rows], np.int64),
                 boxes_px=_array(rows, [f"box_{part}_{view}_px" for part in _BOX]),
-                merged=np.array(together, bool),
+                merged=np.array(merged, bool),
             )
         )
     return Truth(

@@ -1,4 +1,4 @@
-"""What happens in a sequence, as intervals of frames: merges, contacts, who hides whom."""
+"""Events of a sequence as intervals of frames: merges, splits, occlusions, phases of motion."""
 
 from __future__ import annotations
 
@@ -21,10 +21,11 @@ def events_of(
 ) -> dict[str, Any]:
     """The content of `events.json`: lists of intervals of frame indices, both ends included.
 
-    merges: two targets' visible skin is one blob in a view; splits: the first frame after one.
-    ambiguous: both hands are one blob in every view, so that no picture tells them apart.
+    merges: the visible skin of two targets is one blob in a view; splits: the first frame after a
+    merge.
+    ambiguous: both hands are one blob in every view, so that no picture separates them.
     occlusions: at least LEAST_HIDDEN of a target is hidden by an instance in a view; peak_share is
-    the most. script: what the motion itself says (contact, grasp, phases of a stroke).
+    the maximum. script: events of the motion itself (contact, grasp, phases of a stroke).
     hidden: per frame and view, `ViewLabels.hidden_px` (T, I).
     """
     merges, splits, occlusions = [], [], []
@@ -59,30 +60,30 @@ def events_of(
 def _occlusions(
     truths: Sequence[Truth], hidden: Sequence[Sequence[Any]], instances: Instances, view: int
 ) -> list[dict[str, Any]]:
-    found = []
+    occlusions = []
     for t, target in enumerate(TARGETS):
         whole = np.array([max(truth.views[view].amodal_px[t], 1) for truth in truths])
-        for one in instances.table:
-            shares = np.array([frame[view][t][one.id] for frame in hidden]) / whole
+        for instance in instances.table:
+            shares = np.array([frame[view][t][instance.id] for frame in hidden]) / whole
             for first, last in _spans((shares >= LEAST_HIDDEN).tolist()):
                 peak = float(shares[first : last + 1].max())
-                found.append(
+                occlusions.append(
                     {
                         "view": CAMERAS[view],
                         "target": target,
-                        "by": one.name,
+                        "by": instance.name,
                         **_ends((first, last)),
                         "peak_share": round(peak, 4),
                     }
                 )
-    return found
+    return occlusions
 
 
 def _spans(holds: Iterable[bool]) -> list[tuple[int, int]]:
-    """First and last of each run of frames in which something holds."""
+    """First and last frame of each run of frames where `holds` is true."""
     spans: list[tuple[int, int]] = []
-    for index, it_does in enumerate(holds):
-        if not it_does:
+    for index, is_true in enumerate(holds):
+        if not is_true:
             continue
         if spans and spans[-1][1] == index - 1:
             spans[-1] = spans[-1][0], index

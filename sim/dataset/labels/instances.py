@@ -1,4 +1,4 @@
-"""What the pixels of `seg_left/`, `seg_right/` mean: one small number per thing."""
+"""Instances: the targets, the rest of the person, table, room and objects, by id of `seg`."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from numpy.typing import NDArray
 from pjpdaf.targets import TARGETS
 from sim.scene.world import World
 
-NOTHING = 0  # nothing within zfar
+NOTHING = 0  # no surface within zfar
 # 1, 2, 3 are the targets' skin, in the order of TARGETS.
-PERSON = 4  # all else of the person: hair, clothes, glasses, arms above the wrist
+PERSON = 4  # the rest of the person: hair, clothes, glasses, arms above the wrist
 TABLE = 5
 ROOM = 6  # walls, floor, chair, lamp, ...
 FIRST_OBJECT = 10
-MOST = 255  # ids are one byte
+MAX_ID = 255  # ids are one byte
 
 
 @dataclass(frozen=True)
 class Instance:
-    """A thing with an id. kind: target, person, table, room or object."""
+    """An instance. kind: target, person, table, room or object."""
 
     id: int
     name: str
@@ -30,7 +30,7 @@ class Instance:
 
 @dataclass(frozen=True, eq=False)
 class Instances:
-    """All things of a scene. of_geom (ngeom + 1,) uint8: id of each geom, the last of none (-1)."""
+    """Instances of a scene. of_geom (ngeom + 1,) uint8: id of each geom, last of no geom (-1)."""
 
     table: tuple[Instance, ...]
     of_geom: NDArray[np.uint8]
@@ -42,18 +42,18 @@ class Instances:
     @property
     def highest(self) -> int:
         """The highest id in use."""
-        return max(one.id for one in self.table)
+        return max(instance.id for instance in self.table)
 
 
 def instances_of(world: World) -> Instances:
     """The instances of a world; objects are numbered in the order of the scene.
 
-    Raises ValueError for more objects than one byte has numbers.
+    Raises ValueError for more objects than a byte has ids.
     """
     assert world.scene is not None, "only a scene with a person has instances"
-    objects = [thing.name for thing in world.scene.room.objects]
-    if len(objects) > MOST - FIRST_OBJECT + 1:
-        raise ValueError(f"a data set has at most {MOST - FIRST_OBJECT + 1} objects a scene")
+    objects = [spec.name for spec in world.scene.room.objects]
+    if len(objects) > MAX_ID - FIRST_OBJECT + 1:
+        raise ValueError(f"a data set has at most {MAX_ID - FIRST_OBJECT + 1} objects a scene")
     table = (
         *(Instance(1 + t, name, "target") for t, name in enumerate(TARGETS)),
         Instance(PERSON, "person", "person"),

@@ -1,4 +1,4 @@
-"""Keypoints of head and hands: where they are, and which a view shows."""
+"""Keypoints of head and hands: their positions, pixels and visibility."""
 
 from __future__ import annotations
 
@@ -10,15 +10,14 @@ from pjpdaf.camera import Camera, project, to_camera
 from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND
 from sim.anatomy import Anatomy
 from sim.dataset.labels.records import KEYPOINTS, NOT_LABELLED, OCCLUDED, VISIBLE
-from sim.dataset.labels.stereo import shown
-from sim.lens import Lens
+from sim.lens import Lens, real_pixels
 from sim.person.hand import FINGERS, fingers, joint_angles, palm_surface
 from sim.person.head import head_surface
 from sim.pose import Pose, Transform
 from sim.vectors import about
 
-# The fold between lower lip and chin, in half heights of the head below its centre; the surface's
-# foremost point of the mid-line below it is the chin (the pogonion of anatomy).
+# The fold between lower lip and chin, in half heights of the head below its centre; the foremost
+# point of the surface's mid-line below the fold is the chin (the pogonion of anatomy).
 CHIN_FOLD = 0.62
 CHIN_M = 0.010  # depth of the chin's bulge, of which the keypoint is the top
 # Parts are no ellipsoids: a nose and the palm's square edges reach up to this much farther, and
@@ -50,7 +49,7 @@ class Keypoints:
         ]
         self._half_m = np.array([head, np.full(3, CHIN_M), *hand, *hand])
 
-    def places(self, pose: Pose) -> Floats:
+    def positions(self, pose: Pose) -> Floats:
         """World positions (K, 3) [m]."""
         right, left = (self._in_hand(curls) for curls in pose.curls)
         head = _placed(pose.head, np.array([np.zeros(3), self._chin]))
@@ -59,7 +58,7 @@ class Keypoints:
         ]
         return np.concatenate([head, *hands])
 
-    def seen(
+    def project(
         self,
         pose: Pose,
         camera: Camera,
@@ -67,20 +66,22 @@ class Keypoints:
         instances: NDArray[np.uint8],
         depth_m: NDArray[np.float32],
     ) -> tuple[Floats, NDArray[np.int8]]:
-        """Real pixels (K, 2) and status (K,) in a view that shows this pose.
+        """Real pixels (K, 2) and status (K,) of the keypoints of a pose in a view that shows it.
 
-        VISIBLE: the pixel that the keypoint falls on shows its target's skin, and that surface is
-        of the part around the keypoint: it lies no more than MARGIN times that part's half
-        thickness before it, measured along the ray through an ellipsoid of the part's size (head,
+        VISIBLE: the keypoint's pixel shows its target's skin, and that surface belongs to the part
+        of the body around the keypoint: it lies no more than MARGIN times the part's half thickness
+        before it, measured along the ray through an ellipsoid of the part's size (head,
         palm, wrist; for a tip its finger's radius, for the chin, on the surface, CHIN_M). So a
         finger before the palm of its own hand hides it, and so do hair and glasses.
         OCCLUDED: anything else inside the picture. NOT_LABELLED: outside it, or behind the camera.
-        The pixel is NaN behind the camera, and beyond what the lens is known to show.
+        The pixel is NaN behind the camera and beyond the reach of the lens.
         """
-        places = self.places(pose)
+        places = self.positions(pose)
         inside = to_camera(camera, places)
         ideal = project(camera, places).astype(np.float32)
-        pixels = np.stack(shown(camera, lens, ideal[:, 0], ideal[:, 1]), axis=-1).astype(float)
+        pixels = np.stack(real_pixels(camera, lens, ideal[:, 0], ideal[:, 1]), axis=-1).astype(
+            float
+        )
         status = np.full(len(places), NOT_LABELLED, np.int8)
         height, width = depth_m.shape
         parts = {HEAD: pose.head, RIGHT_HAND: pose.hands[0], LEFT_HAND: pose.hands[1]}

@@ -1,4 +1,4 @@
-"""What a data set says of a frame beyond `sim.truth`: frozen records, numpy only."""
+"""Labels of a frame beyond `sim.truth`: frozen records, numpy only."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
-from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND
+from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND, TARGETS
 
 HEAD_POINTS = ("head_centre", "chin")
 HAND_POINTS = (
@@ -26,19 +26,23 @@ KEYPOINTS: tuple[tuple[int, str], ...] = (
     *((RIGHT_HAND, name) for name in HAND_POINTS),
     *((LEFT_HAND, name) for name in HAND_POINTS),
 )
-# Of a keypoint in a view, as COCO has it.
+# Of each target, the index of the keypoint at its centre.
+CENTRE_KEYPOINTS = tuple(
+    KEYPOINTS.index((t, "palm_centre" if t else "head_centre")) for t in range(len(TARGETS))
+)
+# Status of a keypoint in a view, as in COCO.
 NOT_LABELLED, OCCLUDED, VISIBLE = 0, 1, 2
-# Of a pixel of one view, in the other.
+# Status of a pixel of a view in the other view.
 NO_SURFACE, SEEN, HIDDEN, OUT_OF_FRAME = 0, 1, 2, 3
 
 
 @dataclass(frozen=True, eq=False)
 class Matches:
-    """Where the surface that each pixel of a view shows lies in the other view.
+    """Positions in the other view of the surface that each pixel of a view shows.
 
     Of the rectified pair: disparity_px (h, w) float32, x_left - x_right >= 0, NaN where there is no
     surface or the real picture does not reach. Of the pictures as they are: places_px (h, w, 2)
-    float32, pixel of the other picture, also outside it; NaN where there is no surface, and behind
+    float32, pixels of the other picture, also outside it; NaN where there is no surface, and behind
     the other camera or beyond its lens. status (h, w) uint8: NO_SURFACE, SEEN, HIDDEN or
     OUT_OF_FRAME in the other view.
     """
@@ -52,14 +56,14 @@ class Matches:
 class ViewLabels:
     """Labels of one view of T targets, I instance ids (0 ... highest), K keypoints.
 
-    depth_m (h, w) float32: planar z, NaN where nothing is. instances (h, w) uint8: of `Instances`.
-    amodal (T, h, w) bool: the target's skin with all other things removed. amodal_boxes_px (T, 4):
+    depth_m (h, w) float32: planar z, NaN for nothing. instances (h, w) uint8: of `Instances`.
+    amodal (T, h, w) bool: the target's skin with everything else removed. amodal_boxes_px (T, 4):
     x, y, width, height, 0-based, NaN where empty. truncation (T,): share of the amodal target that
     lies outside the picture, 1 where all of it does. hidden_px (T, I) int64: pixels of the amodal
     mask that show instance i instead. keypoints_px (K, 2): in the real picture, NaN behind the
     camera and beyond its lens; keypoint_status (K,) int8: NOT_LABELLED outside the picture,
     OCCLUDED or VISIBLE. objects_px (O,) int64: visible pixels of the objects. rectified, matches:
-    `Matches` of the rectified pair, and of the pictures as they are, where asked for.
+    `Matches` of the rectified pair and of the pictures as they are, None if not wanted.
     """
 
     depth_m: NDArray[np.float32]

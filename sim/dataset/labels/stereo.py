@@ -1,53 +1,75 @@
-"""Where the surface that a pixel shows lies in the other view: of the pictures as they are, and of
-the rectified pair.
+"""Stereo labels: where the surface that a pixel shows lies in the other view.
 
-Both come from the two views' depths of one moment. A surface point is HIDDEN where the other view's
-depth is nearer than it in all pixels around its place (the four of the pictures, the two of its row
-in the rectified pair), by more than the width of a pixel there. Depth between pixels is never
-mixed: on a plane, however slanted, no point lies behind the farthest of the pixels around it, and
-in a square corner by less than a pixel's width. So a surface never hides itself, and a point within
-a pixel behind an edge, or in the outer half of the border's pixels, may still be called SEEN.
+Of the pictures as they are (`PicturePair`), and of the rectified pair (`RectifiedPair`), both from
+the two views' depths at the same moment. A surface point is HIDDEN where the other view's depth is
+nearer than the point in all pixels around its position (four in the pictures, two of a row in the
+rectified pair), by more than the width of a pixel there. Depth is never interpolated: on a plane,
+however slanted, no point lies behind the farthest of the pixels around it, and in a square corner
+by less than a pixel's width. So a surface never hides itself, and a point within a pixel behind an
+edge, or in the outer half of the border's pixels, may still be called SEEN.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
 from pjpdaf.calibration import rectify
-from pjpdaf.camera import Camera, StereoRig, distort_points
+from pjpdaf.camera import Camera, StereoRig
 from sim.camera.render import NO_LENS
 from sim.dataset.labels.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN, Matches
-from sim.lens import Lens, ideal_pixels
+from sim.lens import Lens, ideal_pixels, real_pixels
 
 Float32s = NDArray[np.float32]
 Depths = tuple[Float32s, Float32s]
 SAME_PX = 1e-3  # pixels that lie nearer than this are the same
-_PLAIN = 12  # coefficients of a lens that are polynomials; two more tilt the sensor
+
+
+@dataclass(frozen=True, eq=False)
+class RectifiedRig:
+    """The rectified pair of a rig: R1 R2 P1 P2 of `pjpdaf.calibration.rectify`.
+
+    cameras: its two ideal cameras. disparity = baseline_px_m / depth + shift_px; focal_px: of both.
+    """
+
+    cameras: tuple[Camera, Camera]
+    focal_px: float
+    baseline_px_m: float
+    shift_px: float
+
+    @classmethod
+    def of(cls, rig: StereoRig) -> RectifiedRig:
+        """Rectify a rig."""
+        R1, R2, P1, P2, *_ = rectify(rig)
+        left, right = (
+            replace(
+                camera,
+                K=P[:, :3],
+                R_cw=R @ camera.R_cw,
+                t_cw=R @ camera.t_cw,
+                distortion=NO_LENS,
+            )
+            for camera, R, P in zip(rig.cameras, (R1, R2), (P1, P2), strict=True)
+        )
+        shift_px = float(P1[0, 2] - P2[0, 2])
+        return cls((left, right), float(P1[0, 0]), -float(P2[0, 3]), shift_px)
 
 
 class RectifiedPair:
-    """The rectified pair of a rig: R1 R2 P1 P2 of `pjpdaf.calibration.rectify`.
+    """Matches in the rectified pair of a rig.
 
-    cameras: its two ideal cameras, to be rendered; drawn: False where they are the rig's own to
-    SAME_PX (parallel, no lens), so that the views' own depth serves. covered: per view, which of
-    its pixels (h, w) the real picture reaches; the others are black in a rectified picture and have
-    no label.
+    cameras: its two ideal cameras, to be rendered. drawn: False where they are the rig's own to
+    SAME_PX (parallel, no lens), so that the views' own depth serves. covered: per view, the pixels
+    (h, w) of the rectified picture that the real picture reaches; the others are black and have no
+    label.
     """
 
     def __init__(self, rig: StereoRig, lenses: tuple[Lens | None, ...]) -> None:
-        R1, R2, P1, P2, *_ = rectify(rig)
-        left, right = (
-            replace(camera, K=P[:, :3], R_cw=R @ camera.R_cw, t_cw=R @ camera.t_cw)
-            for camera, R, P in zip(rig.cameras, (R1, R2), (P1, P2), strict=True)
-        )
-        self.cameras: tuple[Camera, Camera] = (
-            replace(left, distortion=NO_LENS),
-            replace(right, distortion=NO_LENS),
-        )
+        self._rig = RectifiedRig.of(rig)
+        self.cameras = self._rig.cameras
         self.drawn = any(lenses) or not all(
             _same(own, ideal) for own, ideal in zip(rig.cameras, self.cameras, strict=True)
         )
@@ -55,12 +77,9 @@ class RectifiedPair:
             _covered(ideal, own, lens)
             for ideal, own, lens in zip(self.cameras, rig.cameras, lenses, strict=True)
         )
-        self._focal_px = float(P1[0, 0])
-        self._baseline_px_m = -float(P2[0, 3])  # disparity times depth
-        self._shift_px = float(P1[0, 2] - P2[0, 2])
 
     def matches(self, depths_m: Depths) -> tuple[Matches, Matches]:
-        """Of both views, from the depths (h, w) of `cameras`, NaN where nothing is."""
+        """Matches of both views from the depths (h, w) of `cameras`, NaN for nothing."""
         left, right = (self._of(view, depths_m) for view in (0, 1))
         return left, right
 
@@ -69,7 +88,7 @@ class RectifiedPair:
         height, width = own.shape
         there = np.isfinite(own) & self.covered[view]
         z = np.where(there, own, np.float32(1.0))
-        disparity = np.float32(self._baseline_px_m) / z + np.float32(self._shift_px)
+        disparity = np.float32(self._rig.baseline_px_m) / z + np.float32(self._rig.shift_px)
         x = np.arange(width, dtype=np.float32) + (disparity if view else -disparity)
         inside = (x >= -0.5) & (x < width - 0.5)
         first = np.clip(np.floor(x), -1, width - 1).astype(np.int32) + 1
@@ -78,12 +97,12 @@ class RectifiedPair:
         inside &= np.take(self.covered[1 - view], row * width + nearest)
         far = _farthest(other, rows=False)
         met = np.take(far, row * far.shape[1] + first)
-        status = _status(there, inside, z, met, self._focal_px)
+        status = _status(there, inside, z, met, self._rig.focal_px)
         return Matches(status, disparity_px=np.where(there, disparity, np.float32(np.nan)))
 
 
 class PicturePair:
-    """The pictures of a rig as they are, with vergence and lenses."""
+    """Matches between the pictures of a rig as they are, with vergence and lenses."""
 
     def __init__(self, rig: StereoRig, lenses: tuple[Lens | None, ...]) -> None:
         self._cameras, self._lenses = rig.cameras, lenses
@@ -98,10 +117,10 @@ class PicturePair:
             self._starts.append(start.astype(np.float32))
 
     def matches(self, depths_m: Depths) -> tuple[Matches, Matches]:
-        """Of both views, from their depths (h, w), NaN where nothing is.
+        """Matches of both views from their depths (h, w), NaN for nothing.
 
-        Places outside the other picture are told as well, NaN only behind its camera and beyond
-        what its lens is known to show.
+        Positions may lie outside the other picture; they are NaN only behind its camera and beyond
+        the reach of its lens.
         """
         left, right = (self._of(view, depths_m) for view in (0, 1))
         return left, right
@@ -115,7 +134,7 @@ class PicturePair:
             for slope, start in zip(self._slopes[view], self._starts[view], strict=True)
         )
         scale = 1 / np.where(z > 0, z, nan)
-        x, y = shown(camera, self._lenses[1 - view], qx * scale, qy * scale)
+        x, y = real_pixels(camera, self._lenses[1 - view], qx * scale, qy * scale)
         height, width = other.shape
         inside = (x >= -0.5) & (x < width - 0.5) & (y >= -0.5) & (y < height - 0.5)
         column, row = (np.where(inside, np.floor(v), 0).astype(np.int32) + 1 for v in (x, y))
@@ -125,36 +144,6 @@ class PicturePair:
         return Matches(status, places_px=np.stack([x, y], axis=-1))
 
 
-def shown(camera: Camera, lens: Lens | None, x: Float32s, y: Float32s) -> tuple[Float32s, Float32s]:
-    """Pixels of the ideal pinhole with the camera's K to those of its real picture.
-
-    NaN beyond the ideal picture: there the lens may show nothing, or fold.
-    """
-    if lens is None:
-        return x, y
-    low = camera.K[:2, 2] - lens.ideal.K[:2, 2]
-    high = low + np.array([lens.ideal.width_px, lens.ideal.height_px]) - 1
-    known = (x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1])
-    x, y = np.where(known, x, np.float32(np.nan)), np.where(known, y, np.float32(np.nan))
-    if len(camera.distortion) > _PLAIN:
-        at = distort_points(camera, np.stack([x.ravel(), y.ravel()], axis=-1)).astype(np.float32)
-        return at[:, 0].reshape(x.shape), at[:, 1].reshape(x.shape)
-    # OpenCV's own formula; its function takes ten times as long.
-    fx, cx, fy, cy = (np.float32(camera.K[i]) for i in ((0, 0), (0, 2), (1, 1), (1, 2)))
-    given = np.zeros(_PLAIN, np.float32)
-    given[: len(camera.distortion)] = camera.distortion
-    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4 = given
-    u, v = (x - cx) / fx, (y - cy) / fy
-    r2, uv2 = u * u + v * v, 2 * u * v
-    radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
-    if k4 or k5 or k6:
-        radial = radial / (1 + r2 * (k4 + r2 * (k5 + r2 * k6)))
-    return (
-        fx * (u * radial + p1 * uv2 + p2 * (r2 + 2 * u * u) + r2 * (s1 + r2 * s2)) + cx,
-        fy * (v * radial + p1 * (r2 + 2 * v * v) + p2 * uv2 + r2 * (s3 + r2 * s4)) + cy,
-    )
-
-
 def _status(
     there: NDArray[np.bool_],
     inside: NDArray[np.bool_],
@@ -162,16 +151,20 @@ def _status(
     met_m: Float32s,
     focal_px: float,
 ) -> NDArray[np.uint8]:
-    """depth_m: of the point in the other camera; met_m: what that sees farthest around it."""
+    """Status (h, w) of the pixels of a view.
+
+    there: the pixel shows a surface; inside: its point lies in the other picture; depth_m: of the
+    point in the other camera; met_m: the other view's farthest depth around it.
+    """
     status = np.where(depth_m > met_m * np.float32(1 + 1 / focal_px), HIDDEN, SEEN)
     status = np.where(inside, status, OUT_OF_FRAME)
     return np.where(there, status, NO_SURFACE).astype(np.uint8)
 
 
 def _farthest(depth_m: Float32s, rows: bool) -> Float32s:
-    """The farthest of pixels (x - 1, x) and, where asked for, of rows (y - 1, y) as well.
+    """Farthest depth (h, w + 1) of pixels (x - 1, x); with rows (h + 1, w + 1) of y - 1, y too.
 
-    (h or h + 1, w + 1); infinite where one of them shows nothing or is outside the picture.
+    Infinite where a pixel shows nothing or is outside the picture.
     """
     far = np.where(np.isfinite(depth_m), depth_m, np.float32(np.inf))
     far = np.pad(far, ((int(rows), int(rows)), (1, 1)), constant_values=np.inf)
@@ -196,7 +189,7 @@ def _covered(ideal: Camera, own: Camera, lens: Lens | None) -> NDArray[np.bool_]
     """Which pixels (h, w) of a rectified picture lie inside the real one."""
     turn = own.R_cw @ ideal.R_cw.T
     q = np.moveaxis(_rays(ideal) @ (own.K @ turn).T, -1, 0)
-    x, y = shown(own, lens, *(q[:2] / np.where(q[2] > 0, q[2], np.nan)).astype(np.float32))
+    x, y = real_pixels(own, lens, *(q[:2] / np.where(q[2] > 0, q[2], np.nan)).astype(np.float32))
     # To SAME_PX: where nothing is moved, the border's pixels are inside.
     low, right, below = -0.5 - SAME_PX, own.width_px - 0.5, own.height_px - 0.5
     return np.asarray(

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
+import pickle
 
 import cv2
 import numpy as np
 import pytest
 
 from pjpdaf.camera import Camera, distort_points
-from pjpdaf.detector.background import load_backgrounds, save_backgrounds
-from pjpdaf.detector.detector import SkinDetector, min_area_px, with_skin
+from pjpdaf.detector.detector import SkinDetector
+from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.detector.skin import learn_skin_range
 from pjpdaf.errors import BenchError
 from pjpdaf.frames import StereoFrame
-from pjpdaf.interfaces import Detections, Detector, Estimates
-from pjpdaf.presets.parameters import PRESETS, DetectorParameters
+from pjpdaf.interfaces import Detections, Detector
+from pjpdaf.presets.override import with_values
+from pjpdaf.presets.registry import PRESETS
 
 WIDTH, HEIGHT = 640, 480
 K = np.array([[540.0, 0, 319.5], [0, 540.0, 239.5], [0, 0, 1]])
@@ -156,9 +158,8 @@ def test_the_same_picture_gives_the_same_bytes(detector):
 def test_a_shadow_on_the_table_is_no_blob(detector):
     rng = np.random.default_rng(7)
     (with_rule,) = detector(frame(picture(rng)))
-    without = dataclasses.replace(
-        detector, parameters=dataclasses.replace(detector.parameters, shadow_min=1.0)
-    )
+    parameters = with_values(detector.parameters, {"shadow_min": 1.0})
+    without = dataclasses.replace(detector, parameters=parameters)
     (plain,) = without(frame(picture(rng)))
     assert len(with_rule) == 3
     assert plain.areas_px.sum() > 1.5 * with_rule.areas_px.sum()
@@ -166,9 +167,8 @@ def test_a_shadow_on_the_table_is_no_blob(detector):
 
 def test_one_pixel_in_16_gives_the_same_detections(detector):
     rng = np.random.default_rng(8)
-    full = dataclasses.replace(
-        detector, parameters=dataclasses.replace(detector.parameters, subsample=1)
-    )
+    parameters = with_values(detector.parameters, {"subsample": 1})
+    full = dataclasses.replace(detector, parameters=parameters)
     for _ in range(5):
         shot = frame(picture(rng))
         np.testing.assert_array_equal(full(shot)[0].centres_px, detector(shot)[0].centres_px)
@@ -178,7 +178,7 @@ def test_one_pixel_in_16_gives_the_same_detections(detector):
 def test_centres_are_in_the_undistorted_picture(how):
     """Both ways of undistorting find the shapes where the ideal pinhole has them."""
     lens = camera(-0.22, 0.06, 0.001, -0.001, 0.0)
-    parameters = dataclasses.replace(DetectorParameters(), undistort=how)
+    parameters = with_values(DetectorParameters(), {"undistort": how})
     seen = learnt(parameters, lens)
     # Drawn through the lens: a pixel of the real picture shows its undistorted place.
     y, x = np.mgrid[0:HEIGHT, 0:WIDTH]
@@ -199,9 +199,8 @@ def test_centres_are_in_the_undistorted_picture(how):
             assert np.linalg.norm(moved) > 1.0  # so the test can fail
 
 
-def test_saved_backgrounds_detect_alike(detector, tmp_path):
-    save_backgrounds(tmp_path / "b.npz", detector.backgrounds)
-    again = dataclasses.replace(detector, backgrounds=load_backgrounds(tmp_path / "b.npz"))
+def test_a_detector_crosses_processes_and_detects_alike(detector):
+    again = pickle.loads(pickle.dumps(detector))
     shot = frame(picture(np.random.default_rng(10)))
     np.testing.assert_array_equal(again(shot)[0].centres_px, detector(shot)[0].centres_px)
 
@@ -242,28 +241,10 @@ def test_a_background_of_another_rig_is_refused(detector):
         dataclasses.replace(detector, cameras=(small,))
 
 
-def test_the_least_area_goes_with_focal_length_and_depth():
-    p = dataclasses.replace(
-        DetectorParameters(), min_area_px=100.0, reference_focal_px=540.0, reference_depth_m=1.3
-    )
-    assert min_area_px(p, camera(), None) == pytest.approx(100)
-    long = dataclasses.replace(camera(), K=np.diag([2.0, 2.0, 1.0]) @ K)
-    assert min_area_px(p, long, None) == pytest.approx(400)
-    at = np.array([[0, 0, 2.6]] * 3)
-    seen = Estimates(at, np.zeros((3, 3, 3)), np.zeros((3, 3)), ("tracked",) * 3)
-    assert min_area_px(p, camera(), seen) == pytest.approx(25)
-    far = dataclasses.replace(seen, positions_m=10 * at)
-    assert min_area_px(p, camera(), far) == pytest.approx(25)  # no less than a quarter
-    assert min_area_px(p, camera(), dataclasses.replace(seen, status=("lost",) * 3)) == 100
-    assert min_area_px(p, camera(), Estimates.waiting()) == 100
-    literal = dataclasses.replace(p, reference_focal_px=0.0, reference_depth_m=0.0)
-    assert min_area_px(literal, long, seen) == 100
-
-
 def test_a_learnt_skin_range_is_used():
     green = colour(120, 0.6, 0.7)
     sample = np.tile(green, (20, 20, 1)).round().astype(np.uint8)
-    parameters = with_skin(DetectorParameters(), learn_skin_range(sample))
+    parameters = DetectorParameters(skin=learn_skin_range(sample))
     shot = np.full((HEIGHT, WIDTH, 3), 150, np.uint8)
     shot[100:140, 200:260] = green
     shot[300:340, 200:260] = SKIN

@@ -1,4 +1,4 @@
-"""Each way in which a plug-in can be wrong is told in a line; what is right passes."""
+"""Each fault of a plug-in is a line; a plug-in without faults passes."""
 
 import sys
 import time
@@ -9,16 +9,11 @@ import pytest
 
 from pjpdaf.errors import BenchError
 from pjpdaf.interfaces import Detections, Estimates
-from pjpdaf.plugins.conformance import (
-    cameras_in_front,
-    check_detector,
-    check_named,
-    check_tracker,
-    painted,
-    paths_m,
-)
-from pjpdaf.plugins.registry import UnknownPart, make_detector, make_tracker
-from pjpdaf.tracker.filter import PJPDAF, TrackState
+from pjpdaf.plugins.conformance import check_detector, check_named, check_tracker
+from pjpdaf.plugins.registry import PlugInError, make_detector, make_tracker
+from pjpdaf.plugins.scenes import cameras_in_front, detections_of, painted, paths_m
+from pjpdaf.tracker.filter import PJPDAF
+from pjpdaf.tracker.state import TrackState
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -238,13 +233,11 @@ def test_the_example_follows_the_targets(monkeypatch):
     monkeypatch.syspath_prepend(EXAMPLES)
     from own_tracker import NearestBlob
 
-    from pjpdaf.plugins.conformance import seen_by
-
     cameras, paths = cameras_in_front(), paths_m(30)
     tracker = NearestBlob(cameras)
-    state = tracker.start(seen_by(cameras, paths[0], range(3)))
+    state = tracker.start(detections_of(cameras, paths[0], range(3)))
     for points in paths[1:]:
-        state, said = tracker.step(state, seen_by(cameras, points, [2, 0, 1]), 1 / 3)
+        state, said = tracker.step(state, detections_of(cameras, points, [2, 0, 1]), 1 / 3)
         assert np.abs(said.positions_m - points).max() < 1e-6
     none = (Detections.none(), Detections.none())
     assert tracker.step(state, none, 1 / 3)[1].status == ("coasting",) * 3
@@ -350,7 +343,7 @@ def test_a_plug_in_that_cannot_be_made_is_one_line(text, line, tmp_path, monkeyp
     (tmp_path / "odd_plug.py").write_text(text)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "odd_plug", raising=False)
-    with pytest.raises(UnknownPart) as fault:
+    with pytest.raises(PlugInError) as fault:
         make_tracker("odd_plug:make", cameras_in_front())
     assert line in str(fault.value)
     assert "\n" not in str(fault.value)

@@ -6,38 +6,36 @@ import dataclasses
 import math
 import sys
 import types
+from types import SimpleNamespace
 
 import pytest
 from strategies import rig
 
+from pjpdaf.checks import BadParameter
+from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.errors import BenchError
 from pjpdaf.plugins.registry import (
     DETECTORS,
     TRACKERS,
-    UnknownPart,
+    PlugInError,
     make_detector,
     make_tracker,
-    names,
+    plug_in_names,
 )
-from pjpdaf.presets.parameters import (
-    PRESETS,
-    BadParameter,
-    DetectorParameters,
-    Preset,
-    TrackerParameters,
-    UnknownPreset,
-    field_names,
-    find_preset,
-    override,
-)
+from pjpdaf.presets.flat import flat_names, flat_values
+from pjpdaf.presets.override import override
+from pjpdaf.presets.record import Preset
+from pjpdaf.presets.registry import PRESETS, UnknownPreset, find_preset
 from pjpdaf.tracker.filter import PJPDAF
+from pjpdaf.tracker.fusion.stacked import Stacked
+from pjpdaf.tracker.parameters import TrackerParameters
 
 CAMERAS = rig().cameras
 
 
 def test_thesis_literal_is_table_4_1() -> None:
     preset = find_preset("thesis-literal")
-    t, d = preset.tracker, preset.detector
+    t, d = (SimpleNamespace(**flat_values(part)) for part in (preset.tracker, preset.detector))
     assert (d.min_area_px, d.kmeans_penalty, d.extra_hypotheses) == (500.0, 5.0, 2)
     assert (d.reference_focal_px, d.subsample, d.undistort) == (0.0, 1, "picture")
     assert (t.p_detect, t.gate, t.clutter) == (0.9, 15.0, 0.1)
@@ -60,9 +58,9 @@ def test_every_departure_says_all_of_it() -> None:
     # Each field in which the two presets differ is named by a departure of 'thesis'.
     written = " ".join(departure.ours + departure.thesis for departure in thesis.departures)
     for part in ("tracker", "detector"):
-        ours, theirs = getattr(thesis, part), getattr(literal, part)
-        for name in field_names(type(ours)):
-            if getattr(ours, name) != getattr(theirs, name):
+        ours, theirs = flat_values(getattr(thesis, part)), flat_values(getattr(literal, part))
+        for name in ours:
+            if ours[name] != theirs[name]:
                 assert f"`{name}`" in written, name
 
 
@@ -79,14 +77,14 @@ def test_overrides_are_read_as_their_type() -> None:
             "gate": 9,
         },
     )
-    assert preset.tracker.p_detect == 0.8
-    assert preset.tracker.update == "stacked"
-    assert preset.tracker.start_depth_m == (0.5, 2.0)
-    assert preset.tracker.gate == 9.0
-    assert preset.detector.hue_range_deg == (350.0, 20.0)
-    assert preset.detector.merge_fragments is True
-    assert preset.detector.subsample == 4
-    assert find_preset("thesis").tracker.p_detect == 0.9
+    assert preset.tracker.association.p_detect == 0.8
+    assert preset.tracker.fusion.update == Stacked()
+    assert preset.tracker.start.start_depth_m == (0.5, 2.0)
+    assert preset.tracker.association.gate == 9.0
+    assert preset.detector.skin.hue_range_deg == (350.0, 20.0)
+    assert preset.detector.components.merge_fragments is True
+    assert preset.detector.clusters.subsample == 4
+    assert find_preset("thesis").tracker.association.p_detect == 0.9
     assert override(preset, {}) == preset
 
 
@@ -118,9 +116,9 @@ def test_a_wrong_override_is_one_clear_line(values: dict[str, object], words: st
     assert fault.value.exit_code == 2
 
 
-def test_field_names_do_not_clash() -> None:
+def test_flat_names_do_not_clash() -> None:
     """Or a bare KEY=VALUE would be ambiguous."""
-    assert not set(field_names(DetectorParameters)) & set(field_names(TrackerParameters))
+    assert not set(flat_names(DetectorParameters)) & set(flat_names(TrackerParameters))
 
 
 def test_unknown_preset() -> None:
@@ -137,8 +135,8 @@ def test_unknown_preset() -> None:
 def test_default_parameters_are_valid_and_frozen() -> None:
     preset = Preset("mine", DetectorParameters(), TrackerParameters(), ())
     with pytest.raises(dataclasses.FrozenInstanceError):
-        preset.tracker.gate = 1.0  # type: ignore[misc]
-    assert math.isclose(preset.detector.centre_sd_px**2, preset.tracker.measurement_px2)
+        preset.tracker.association.gate = 1.0  # type: ignore[misc]
+    assert math.isclose(preset.detector.centre_sd_px**2, preset.tracker.measurement.measurement_px2)
 
 
 @pytest.fixture
@@ -153,15 +151,15 @@ def plugin(monkeypatch: pytest.MonkeyPatch) -> types.ModuleType:
 
 def test_trackers_by_name(plugin: types.ModuleType) -> None:
     tracker = make_tracker("thesis", CAMERAS, {"gate": "9", "min_area_px": "10"})
-    assert tracker.parameters.gate == 9.0
+    assert tracker.parameters.association.gate == 9.0
     assert isinstance(make_tracker("plugin_of_a_user:tracker", CAMERAS), PJPDAF)
-    assert set(PRESETS) <= set(names(TRACKERS))
-    assert set(PRESETS) <= set(names(DETECTORS))
+    assert set(PRESETS) <= set(plug_in_names(TRACKERS))
+    assert set(PRESETS) <= set(plug_in_names(DETECTORS))
 
 
 def test_detectors_by_name() -> None:
     detector = make_detector("thesis", CAMERAS, {"min_area_px": "10"})
-    assert detector.parameters.min_area_px == 10.0
+    assert detector.parameters.components.min_area_px == 10.0
 
 
 @pytest.mark.parametrize(
@@ -186,5 +184,5 @@ def test_a_tracker_that_cannot_be_had(plugin, name, overrides, words) -> None:
 
 def test_a_plug_in_may_ignore_keys_of_the_other_part(plugin: types.ModuleType) -> None:
     make_tracker("plugin_of_a_user:tracker", CAMERAS, {"min_area_px": 9})
-    with pytest.raises(UnknownPart, match="lacks learn, __call__"):
+    with pytest.raises(PlugInError, match="lacks learn, __call__"):
         make_detector("plugin_of_a_user:half", CAMERAS, {"gate": 9})

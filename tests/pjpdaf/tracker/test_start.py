@@ -9,11 +9,10 @@ from strategies import START_W, camera_at, detections, rig
 
 from pjpdaf.camera import project, triangulate
 from pjpdaf.interfaces import Detections
-from pjpdaf.presets.parameters import TrackerParameters
-from pjpdaf.tracker.start import find_head_and_hands, head_of, locate
+from pjpdaf.tracker.start import StartParameters, find_head_and_hands, head_of, locate
 
 CAMERAS = rig().cameras
-P = TrackerParameters()
+P = StartParameters()
 AREAS = np.array([4500.0, 1500.0, 1400.0])
 
 

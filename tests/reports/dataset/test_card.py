@@ -15,12 +15,17 @@ import pytest
 from ruamel.yaml import YAML
 
 from pjpdaf.errors import BenchError
-from reports.dataset.card import TASKS, card_text, sample_jpeg, without_paths, write_card
-from reports.dataset.svg_bars import bars_svg, bin_names
-from sim.dataset.files.layout import conventions
+from reports.dataset.card import card_text, write_card
+from reports.dataset.card_prose import without_paths
+from reports.dataset.card_sample import sample_jpeg
+from reports.dataset.card_tables import TASKS
+from reports.dataset.histograms import bin_names
+from reports.page.bars import counted_bars
+from sim.dataset.files.conventions import conventions
+from sim.dataset.histograms import BINS
 from sim.dataset.raytruth import RayFigures, lines_of
 from sim.dataset.reader import open_dataset
-from sim.dataset.statistics import BINS, statistics_of
+from sim.dataset.statistics import statistics_of
 
 
 @pytest.fixture(scope="module")
@@ -160,13 +165,13 @@ def test_the_sample_shows_frames_and_labels(dataset):
 
 
 def test_bars_are_valid_and_escaped():
-    root = ET.fromstring(bars_svg("<&\"'", bin_names((-1.5, 0, 2)), (1, 3)))
+    root = ET.fromstring(counted_bars("<&\"'", bin_names((-1.5, 0, 2)), (1, 3)))
     bars = [e for e in root.iter("{http://www.w3.org/2000/svg}rect") if e.get("class") == "bar"]
     long = [float(bar.get("width")) for bar in bars]
     assert long[0] == pytest.approx(long[1] / 3, abs=0.1)
     words = [e.text for e in root.iter("{http://www.w3.org/2000/svg}text")]
     assert words == ["<&\"'", "−1.5 – 0", "1 (25.0 %)", "0 – 2", "3 (75.0 %)"]
-    assert "NaN" not in bars_svg("empty", ("a",), (0,))
+    assert "NaN" not in counted_bars("empty", ("a",), (0,))
 
 
 def test_names_of_a_stranger_are_words(dataset, statistics):

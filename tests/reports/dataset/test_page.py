@@ -4,8 +4,6 @@ import base64
 import gzip
 import json
 import re
-import shutil
-from contextlib import contextmanager
 from dataclasses import replace
 
 import cv2
@@ -14,10 +12,14 @@ import pytest
 from waiting import until
 
 from pjpdaf.targets import TARGETS
-from reports.dataset import colours as look
-from reports.dataset.page import LAYERS, VIEW_PX, clip_data, clips, dataset_page, event_rows
+from reports.dataset import label_colours
+from reports.dataset.event_rows import event_rows
+from reports.dataset.page import dataset_page
 from reports.dataset.rerun import write_dataset_rerun
+from reports.dataset.sequence_data import sequence_data
+from reports.dataset.sequence_view import LAYERS, VIEW_PX, sequence_views
 from reports.dataset.sheet import GAP_PX, TILE_PX, dataset_sheet
+from reports.page.templating import write_text
 from scenarios.play.recipe import sized
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
@@ -34,8 +36,7 @@ LEFT = "document.querySelector('[data-part=left]')"
 HOSTILE = "</script><b>x{{ 7*7 }}"
 SIZE_PX = (160, 120)
 LABELS = ("clean", "depth", "seg", "amodal", "disparity")
-CHROMIUM = shutil.which("chromium")
-in_a_browser = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH")
+READY = "html[data-ready=yes]"
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +73,7 @@ def dataset(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def shown(dataset):
-    return clips(dataset.sequences)
+    return sequence_views(dataset.sequences)
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +97,7 @@ def test_every_layer_that_was_written_is_there_frame_by_frame(shown):
 
 def test_ids_keep_their_colours(shown):
     sequence = shown[0].sequence
-    known = {look.instance_colour(one.id) for one in sequence.instances}
+    known = {label_colours.instance_colour(one.id) for one in sequence.instances}
     colours = np.unique(picture(shown[0], "seg", 2).reshape(-1, 3), axis=0)
     assert {tuple(c) for c in colours.tolist()} <= known
     assert len(colours) >= 4
@@ -104,10 +105,10 @@ def test_ids_keep_their_colours(shown):
 
 def test_numbers_are_those_of_the_records(shown):
     for clip in shown:
-        data = clip_data(clip)
+        data = sequence_data(clip)
         json.dumps(data, allow_nan=False)
         for index, truth in enumerate(clip.sequence.truths):
-            places = np.array(data["places"][index]) * 1e-4
+            places = np.array(data["positions"][index]) * 1e-4
             np.testing.assert_allclose(places, truth.centres_m, atol=0.51e-4)
             speeds = np.array(data["speeds"][index]) * 1e-3
             wanted = np.linalg.norm(truth.velocities_mps, axis=1)
@@ -117,9 +118,9 @@ def test_numbers_are_those_of_the_records(shown):
                     box = data["boxes"][index][v][t]
                     wanted = truth.views[v].boxes_px[t]
                     assert box == (None if np.isnan(wanted[0]) else wanted.astype(int).tolist())
-                assert sum(map(len, data["points"][index][v])) == len(KEYPOINTS)
+                assert sum(map(len, data["keypoints"][index][v])) == len(KEYPOINTS)
         frames = [frame for frame, _ in clip.sequence.frames()]
-        assert data["came"] == [[int(p is not None) for p in f.pictures] for f in frames]
+        assert data["arrived"] == [[int(p is not None) for p in f.pictures] for f in frames]
 
 
 def test_the_first_sequences_that_fit_are_taken(dataset, shown):
@@ -129,12 +130,12 @@ def test_the_first_sequences_that_fit_are_taken(dataset, shown):
     first, second = map(size, shown)
     # Base64 of a whole film is a little shorter than that of its frames one by one.
     room = first + 4 * shown[0].frames * len(LAYERS)
-    assert [clip.frames for clip in clips(dataset.sequences, room + 2 * second)] == [20, 5]
-    assert [clip.frames for clip in clips(dataset.sequences, room)] == [20]
-    (part,) = clips(dataset.sequences, first // 2)
+    assert [clip.frames for clip in sequence_views(dataset.sequences, room + 2 * second)] == [20, 5]
+    assert [clip.frames for clip in sequence_views(dataset.sequences, room)] == [20]
+    (part,) = sequence_views(dataset.sequences, first // 2)
     assert 5 < part.frames < 15
     assert size(part) <= first // 2
-    (least,) = clips(dataset.sequences, 0)
+    (least,) = sequence_views(dataset.sequences, 0)
     assert least.frames == 1
     statistics = statistics_of(dataset)
     notices = [
@@ -155,7 +156,7 @@ def test_events_of_a_stranger_are_left_out_or_cut():
         "script": [{"event": "e", "first_frame": -1, "last_frame": 2}, {"event": "e" * 500}],
     }
     assert event_rows(events, 5) == [
-        {"kind": "merges", "words": "head + left hand merged, left", "spans": [[2, 4]]}
+        {"kind": "merges", "text": "head + left hand merged, left", "spans": [[2, 4]]}
     ]
     many = [{"event": str(i), "first_frame": 0, "last_frame": 0} for i in range(1000)]
     assert len(event_rows({"script": many}, 5)) == 40
@@ -174,7 +175,7 @@ def test_it_is_escaped_and_asks_for_nothing(page, shown):
 
 
 def test_the_same_data_set_gives_the_same_page(dataset, page):
-    again = clips(open_dataset(dataset.folder).sequences)
+    again = sequence_views(open_dataset(dataset.folder).sequences)
     assert dataset_page(dataset, statistics_of(dataset), again, HOSTILE) == page
 
 
@@ -188,35 +189,17 @@ def test_the_sheet_has_a_row_a_sequence(dataset):
 
 def test_depth_colours_go_with_nearness():
     depth = np.array([[0.5, 1.0, 4.0, np.nan]], np.float32)
-    near, middle, far, nothing = look.depth_picture(depth)[0].tolist()
+    near, middle, far, nothing = label_colours.depth_picture(depth)[0].tolist()
     assert near[2] > near[0]  # BGR: red
     assert far[0] > far[2]
     assert near != middle != far
-    assert tuple(nothing) == look.EMPTY
+    assert tuple(nothing) == label_colours.EMPTY
 
 
-@contextmanager
-def opened(page, tmp_path, **settings):
-    """The page in a browser; everything that it complains about or asks for is written down."""
-    sync_api = pytest.importorskip("playwright.sync_api")
-    path = tmp_path / "page.html"
-    path.write_text(page, encoding="utf-8")
-    complaints, requests = [], []
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(
-            executable_path=CHROMIUM,
-            args=["--no-sandbox", "--disable-quic", "--disable-background-networking"],
-        )
-        view = browser.new_page(**settings)
-        view.on("console", lambda m: complaints.append(m.text) if m.type == "error" else None)
-        view.on("pageerror", lambda e: complaints.append(str(e)))
-        view.on("request", lambda r: requests.append(r.url))
-        view.goto(path.as_uri())
-        view.wait_for_selector("html[data-ready=yes]")
-        yield view
-        browser.close()
-    assert complaints == []
-    assert all(url.startswith(("file:", "data:", "blob:")) for url in requests)
+@pytest.fixture(scope="module")
+def file(page, tmp_path_factory):
+    """The page as a file."""
+    return write_text(tmp_path_factory.mktemp("page") / "page.html", page)
 
 
 def at(view, **data):
@@ -232,10 +215,9 @@ def drawn(view):
     ]
 
 
-@in_a_browser
-def test_slider_keys_layers_and_sequences(page, shown, tmp_path):
-    data = clip_data(shown[0])
-    with opened(page, tmp_path, viewport={"width": 1280, "height": 900}) as view:
+def test_slider_keys_layers_and_sequences(file, opened, shown):
+    data = sequence_data(shown[0])
+    with opened(file, READY, viewport={"width": 1280, "height": 900}) as view:
         at(view, frame=0, layer="colour", key=0)
         before = drawn(view)
         view.keyboard.press("ArrowRight")
@@ -259,8 +241,8 @@ def test_slider_keys_layers_and_sequences(page, shown, tmp_path):
         # The values are those of the frame.
         row = view.locator("[data-part=values] tr").nth(1).locator("td")
         said = [float(v) for v in row.nth(0).inner_text().split("/")]
-        np.testing.assert_allclose(said, np.array(data["places"][19][1]) * 1e-4, atol=1e-3)
-        share = data["shown"][19][0][1]
+        np.testing.assert_allclose(said, np.array(data["positions"][19][1]) * 1e-4, atol=1e-3)
+        share = data["visible"][19][0][1]
         assert row.nth(2).inner_text() == (
             "out of view" if share is None else f"{share / 10:.1f} %"
         )
@@ -272,11 +254,10 @@ def test_slider_keys_layers_and_sequences(page, shown, tmp_path):
         at(view, key=0, frame=7)
 
 
-@in_a_browser
-def test_bars_jump_marks_toggle_and_playing_goes_on(page, shown, tmp_path):
-    rows = clip_data(shown[0])["events"]
+def test_bars_jump_marks_toggle_and_playing_goes_on(file, opened, shown):
+    rows = sequence_data(shown[0])["events"]
     assert any(row["kind"] == "merges" for row in rows)
-    with opened(page, tmp_path, viewport={"width": 1280, "height": 900}) as view:
+    with opened(file, READY, viewport={"width": 1280, "height": 900}) as view:
         assert view.locator(".lane").count() == len(rows)
         last = rows[-1]["spans"][-1][0]
         view.locator(".lane").nth(len(rows) - 1).locator("button").last.click()
@@ -298,11 +279,10 @@ def test_bars_jump_marks_toggle_and_playing_goes_on(page, shown, tmp_path):
         assert view.inner_text("[data-part=play]") == "Play"
 
 
-@in_a_browser
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_it_fits_on_a_phone(page, tmp_path, scheme):
+def test_it_fits_on_a_phone(file, opened, scheme):
     settings = {"viewport": {"width": 390, "height": 800}, "color_scheme": scheme}
-    with opened(page, tmp_path, **settings, has_touch=True) as view:
+    with opened(file, READY, **settings, has_touch=True) as view:
         assert view.evaluate("document.documentElement.scrollWidth") == 390
         box = view.locator("[data-part=left]").bounding_box()
         assert box["width"] > 340
@@ -333,7 +313,7 @@ def test_names_of_a_stranger_do_not_break_the_sheet(dataset):
 
 
 def test_the_packed_numbers_are_the_clips(page, shown):
-    packed = re.findall(r'id="clip-(\d+)">([^<]*)<', page)
+    packed = re.findall(r'id="sequence-(\d+)">([^<]*)<', page)
     assert [number for number, _ in packed] == ["0", "1"]
     for clip, (_, text) in zip(shown, packed, strict=True):
-        assert json.loads(gzip.decompress(base64.b64decode(text))) == clip_data(clip)
+        assert json.loads(gzip.decompress(base64.b64decode(text))) == sequence_data(clip)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from pjpdaf.errors import BenchError, InfrastructureError
-from reports.gate.gate import ALPHA, METRICS, compare, replay_command
+from reports.gate.gate import ALPHA, compare
+from reports.gate.metrics import METRICS
 from reports.gate.pairing import (
     CAP_MM,
     WORST_GOSPA_MM,
@@ -13,6 +14,7 @@ from reports.gate.pairing import (
     joined,
     same_results,
 )
+from reports.gate.replay import replay_command
 from reports.run.load import load
 from reports.run.save import RunInfo, save
 from reports.score.records import EpisodeFailure
@@ -158,7 +160,7 @@ def test_another_simulator_or_other_metrics_are_not_compared(runs):
         compare(with_meta(runs["base"], metrics_version=0), runs["again"])
 
 
-def with_failures(run, failed, reason):
+def with_failures(run, failed, reason, kind="exception"):
     """A run in which these episodes gave no result."""
     rows = run.episodes.copy()
     hit = [key in failed for key in zip(rows["scenario"], rows["seed"], strict=True)]
@@ -168,7 +170,19 @@ def with_failures(run, failed, reason):
     rows.loc[hit, "failure"] = reason
     tracking = run.tracking
     gone = [key in failed for key in zip(tracking["scenario"], tracking["seed"], strict=True)]
-    return replace(run, episodes=rows, tracking=tracking[~np.array(gone)])
+    scenarios = [
+        {
+            **scenario,
+            "failures": [
+                {"seed": seed, "reason": reason, "kind": kind}
+                for seed in scenario["seeds"]
+                if (scenario["name"], seed) in failed
+            ],
+        }
+        for scenario in run.meta["scenarios"]
+    ]
+    meta = {**run.meta, "scenarios": scenarios}
+    return replace(run, meta=meta, episodes=rows, tracking=tracking[~np.array(gone)])
 
 
 def test_a_failed_episode_is_saved_and_counts_as_the_worst(episode_of, tools, tmp_path):
@@ -211,7 +225,7 @@ def test_a_base_without_results_is_no_yardstick(runs):
     some = {("calm", k) for k in range(4)}
     with pytest.raises(InfrastructureError, match=r"4 of 24 episodes .* calm seed 0: worker died"):
         compare(with_failures(runs["base"], some, "worker died"), runs["again"])
-    unposable = with_failures(runs["base"], some, "cannot be posed: too far")
+    unposable = with_failures(runs["base"], some, "cannot be posed: too far", "unposable")
     assert compare(unposable, unposable).verdict == "pass"
     with pytest.raises(InfrastructureError, match="24 of 24"):
         compare(with_failures(runs["base"], every, "cannot be posed: too far"), runs["again"])
@@ -345,13 +359,14 @@ def test_no_false_alarm_when_the_two_runs_only_differ_by_chance(runs):
 
 def verdicts(before, after, seed):
     """What `compare` makes of two tables of episode values."""
-    from reports.gate.gate import MetricVerdict, _difference, _word
+    from reports.gate.gate import _difference, _outcome
     from reports.gate.statistics import holm
+    from reports.gate.verdict import MetricVerdict
 
     rng = np.random.default_rng(seed)
     found = [(m, *_difference(m, before, after, rng, ALPHA)) for m in METRICS if not m.counted]
     adjusted = holm([p for _, _, p in found])
     return [
-        _word(MetricVerdict(metric, "pass", 0.0, 0.0, difference, p), ALPHA)
+        _outcome(MetricVerdict(metric, "pass", 0.0, 0.0, difference, p), ALPHA)
         for (metric, difference, _), p in zip(found, adjusted, strict=True)
     ]

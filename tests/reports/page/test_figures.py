@@ -7,17 +7,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.page.figures import (
-    Series,
-    label_speeds,
-    line_chart,
-    path_chart,
-    path_data,
-    round_step,
-    speed_chart,
-    speed_series,
-    stacked_bars,
-)
+from reports.page.bars import stacked_bars
+from reports.page.line_chart import Series, line_chart
+from reports.page.path_chart import path_chart
+from reports.page.speed_chart import label_speeds, speed_chart, speed_series
+from reports.page.svg import path_data, round_step
 from reports.run.load import load
 from reports.run.save import RunInfo, save
 
@@ -90,7 +84,7 @@ def test_paths_stay_inside_the_picture(tools, silent):
     for path in drawn:
         numbers = [float(n) for n in re.findall(r"-?[\d.]+", path.get("d").replace("H", " "))]
         assert all(-1 <= n <= max(width, height) for n in numbers)
-    lifted = sum(e.get("d").count("M") for e in drawn if "said right" in e.get("class"))
+    lifted = sum(e.get("d").count("M") for e in drawn if "estimate right" in e.get("class"))
     assert lifted == (0 if silent else 2)
 
 

@@ -11,7 +11,9 @@ import pytest
 
 from pjpdaf.camera import project
 from pjpdaf.frames import StereoFrame
-from reports.page.player import episode_data, films, pack, takes, worst_frame
+from reports.page.episode_tables import episode_tables
+from reports.page.packed_films import packed_films
+from reports.page.player import episode_data, pack, worst_frame
 from reports.pictures.stills import VIEW_WIDTH_PX, still
 from reports.run.load import load
 from reports.run.rows import rows_of
@@ -43,7 +45,7 @@ def take(episode_of, tools, tmp_path):
         merged=lambda f: (pair if f == 4 else np.zeros((3, 3), bool),) * 2,
         labels=lambda f: ("reach",) if f < 7 else ("hold", "near"),
     )
-    return episode, next(takes(load(save(tmp_path / "run", [episode], RunInfo("run")))))
+    return episode, next(episode_tables(load(save(tmp_path / "run", [episode], RunInfo("run")))))
 
 
 def test_the_page_has_the_runs_own_numbers(take):
@@ -51,7 +53,7 @@ def test_the_page_has_the_runs_own_numbers(take):
     data = json.loads(gzip.decompress(base64.b64decode(pack(mine))))
     assert data == episode_data(mine)
     truth = np.stack([undo(column, 1e-4) for column in data["truth"]], axis=1).reshape(-1, 3, 3)
-    said = np.stack([undo(column, 1e-4) for column in data["said"]], axis=1).reshape(-1, 3, 3)
+    said = np.stack([undo(column, 1e-4) for column in data["estimates"]], axis=1).reshape(-1, 3, 3)
     wanted = np.stack([o.truth.centres_m for o in episode.frames])
     np.testing.assert_allclose(truth, wanted, atol=0.51e-4)
     np.testing.assert_allclose(
@@ -72,7 +74,7 @@ def test_cameras_and_detections_fit_the_pictures(take):
     for v, camera in enumerate(episode.cameras):
         q = np.array(data["cameras"][v]["P"]).reshape(3, 4) @ np.append(point, 1.0)
         np.testing.assert_allclose(q[:2] / q[2], project(camera, point), atol=1e-3)
-        seen = data["seen"][v]
+        seen = data["detections"][v]
         assert seen["n"] == "3" * 20
         ellipses = np.array(seen["v"], dtype=float).T.reshape(20, 3, 5) / [10, 10, 10, 10, 100]
         truth = episode.frames[3].detections[v].ellipses
@@ -82,7 +84,7 @@ def test_cameras_and_detections_fit_the_pictures(take):
 def test_a_frame_is_small(episode_of, tools, tmp_path):
     centres = tools.paths(150, 3.0)
     episode = episode_of(tools.noisy(centres, 1), centres_m=centres)
-    mine = next(takes(load(save(tmp_path / "run", [episode], RunInfo("run")))))
+    mine = next(episode_tables(load(save(tmp_path / "run", [episode], RunInfo("run")))))
     assert len(pack(mine)) / 150 < 160  # bytes
 
 
@@ -139,12 +141,12 @@ def test_films_are_kept_of_first_seeds_and_of_what_went_wrong(filmed):
 
 def test_films_go_in_as_far_as_there_is_room(filmed):
     order = [("a", 2), ("a", 0), ("b", 0)]
-    all_of_it = films(filmed, order, (10_000, 10_000))
+    all_of_it = packed_films(filmed, order, (10_000, 10_000))
     assert [len(f.pictures) for f in all_of_it.values()] == [10, 10, 2]
     assert all_of_it["a", 2].sizes.startswith("0:100 1:100 ")
-    assert list(films(filmed, order, (1500, 10_000))) == [("a", 2), ("b", 0)]
-    assert [len(f.pictures) for f in films(filmed, order, (0, 150)).values()] == [1]
-    assert films(filmed, order, (0, 50)) == {}
+    assert list(packed_films(filmed, order, (1500, 10_000))) == [("a", 2), ("b", 0)]
+    assert [len(f.pictures) for f in packed_films(filmed, order, (0, 150)).values()] == [1]
+    assert packed_films(filmed, order, (0, 50)) == {}
 
 
 def test_the_worst_come_first_and_the_good_not_at_all(episode_of, tools):

@@ -60,7 +60,8 @@ def test_provenance_and_checksums_are_recorded(run):
     assert meta["provenance"]["argv"] == ["run", "calm_table"]
     assert meta["provenance"]["versions"]["numpy"] == np.__version__
     assert meta["scenarios"][1]["seeds"] == [0, 1, 2, 3]
-    assert meta["scenarios"][1]["failures"] == [{"seed": 3, "reason": "timed out"}]
+    failure = {"seed": 3, "reason": "timed out", "kind": "exception"}
+    assert meta["scenarios"][1]["failures"] == [failure]
     assert set(FILES) < set(meta["files"])
     assert len(meta["pictures"]) == 6
     assert meta["complete"] is True

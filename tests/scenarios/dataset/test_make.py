@@ -15,7 +15,9 @@ import pytest
 from shared import shared
 
 from pjpdaf.errors import BenchError
-from scenarios.dataset.make import MakeRequest, make, make_again
+from scenarios.dataset.make import make_dataset as make
+from scenarios.dataset.remake import remake_sequence
+from scenarios.dataset.sequence_plan import MakeRequest
 from scenarios.play.ladder import RUNGS
 from scenarios.play.play import Job
 from scenarios.play.recipe import Recipe, Settings, labels_named, read_recipe, size_named
@@ -197,7 +199,7 @@ def test_a_data_set_of_other_settings_is_left_alone(tmp_path):
 
 def test_a_folder_with_something_else_in_it_is_left_alone(tmp_path):
     (tmp_path / "mine.txt").write_text("mine")
-    with pytest.raises(BenchError, match=r"is not empty \(mine.txt\) and no data set"):
+    with pytest.raises(BenchError, match=r"is not empty \(mine.txt\) and not a data set"):
         make(request(tmp_path))
     (tmp_path / "file").write_text("")
     with pytest.raises(BenchError, match="file"):
@@ -230,10 +232,10 @@ def test_a_full_disk_is_one_line_and_what_is_finished_stays(made):
 def test_a_recipe_makes_a_sequence_and_a_frame_of_it_again(made, tmp_path):
     for number in (1, 2):  # of a pair of twins; with a clip, which lies beside it
         folder = made / f"seq_{number:06d}"
-        said = make_again(folder / "recipe.json", tmp_path / f"again{number}")
+        said = remake_sequence(folder / "recipe.json", tmp_path / f"again{number}")
         assert said == f"sequence: {tmp_path / f'again{number}'}"
         assert contents(tmp_path / f"again{number}") == contents(folder)
-        make_again(folder / "recipe.json", tmp_path / f"one{number}", frame=2)
+        remake_sequence(folder / "recipe.json", tmp_path / f"one{number}", frame=2)
         pictures = {k: v for k, v in contents(tmp_path / f"one{number}").items() if "/" in k}
         assert set(pictures) == {
             f"{kind}_{side}/000003.png".lstrip("_")

@@ -18,9 +18,10 @@ from reports.run.load import load
 from reports.run.rows import rows_of
 from reports.run.save import RunInfo, save
 from reports.run.tables import tables_of
+from scenarios.play.plan import PlanRequest, plan
 from scenarios.play.play import Job, System, digest_of, play
 from scenarios.play.recipe import Recipe, Settings
-from scenarios.run.run import RunRequest, entry_of, plan
+from scenarios.run.save_run import scenario_record
 from scenarios.spec.names import load_scenario
 from sim.dataset.files.layout import sequence_name
 from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
@@ -83,8 +84,7 @@ def copied(made, tmp_path):
 
 
 def request(dataset, **changes):
-    asked = RunRequest((), None, "thesis", "thesis", "thesis", (), 1, None, ())
-    return replace(asked, dataset=dataset, **changes)
+    return PlanRequest(dataset=dataset, **{"keep_pictures": True, **changes})
 
 
 @pytest.fixture(scope="module")
@@ -109,9 +109,9 @@ def test_every_table_is_that_of_the_live_run(live, kept):
 
 
 def test_compare_takes_both_for_the_same(live, kept, made, tmp_path):
-    entries = {one.name: entry_of(one) for one in JOBS}
+    entries = {one.name: scenario_record(one) for one in JOBS}
     jobs = plan(request(made))
-    assert {one.name: entry_of(one) for one in jobs} == entries
+    assert {one.name: scenario_record(one) for one in jobs} == entries
     saved = [
         load(save(tmp_path / name, rows, RunInfo(name, entries=entries)))
         for name, rows in (("live", live), ("kept", kept))
@@ -124,10 +124,11 @@ def test_compare_takes_both_for_the_same(live, kept, made, tmp_path):
 SCRIPT = """
 import sys
 from pathlib import Path
+from scenarios.play.plan import PlanRequest
 from scenarios.run.run import RunRequest, run_suite
 out, jobs, dataset = sys.argv[1:]
-run_suite(RunRequest((), None, "thesis", "thesis", "thesis", (), int(jobs), Path(out), (),
-                     films=True, dataset=Path(dataset)))
+plan = PlanRequest(keep_pictures=True, keep_films=True, dataset=Path(dataset))
+run_suite(RunRequest(plan, jobs=int(jobs), out=Path(out)))
 """
 
 
@@ -154,11 +155,11 @@ def test_a_whole_run_needs_no_renderer(made, live, tmp_path):
 
 
 def test_only_and_slim_and_films(made):
-    (one,) = plan(request(made, only=("cross+noise",), slim=True, films=True))
+    (one,) = plan(request(made, only=("cross+noise",), keep_pictures=False))
     assert (one.name, one.seed) == ("cross+noise", 102)
     assert not one.keep_pictures
     assert not one.keep_film
-    assert all(one.keep_film and one.keep_pictures for one in plan(request(made, films=True)))
+    assert all(one.keep_film and one.keep_pictures for one in plan(request(made, keep_films=True)))
 
 
 def test_another_tracker_gives_another_result_on_the_same_pictures(made, kept):
@@ -179,7 +180,7 @@ def test_another_tracker_gives_another_result_on_the_same_pictures(made, kept):
         ({"only": ("cros",)}, "--only cros: not in it; did you mean cross?"),
         ({"tracker": "nobody"}, "nobody"),
         ({"settings": ("tracker.gat=4",)}, "gat"),
-        ({"dataset": Path("nowhere")}, "nowhere: is no data set"),
+        ({"dataset": Path("nowhere")}, "nowhere: is not a data set"),
     ],
 )
 def test_what_does_not_fit_is_one_line_before_anything_is_played(made, changes, said):

@@ -13,6 +13,7 @@ from commands import ENVIRONMENT, LIMIT_S, command, pending, started, wait_until
 from pjpdaf.errors import BenchError
 from reports.run.load import load
 from scenarios.execute.episodes import play_all
+from scenarios.execute.local import local_executor
 from scenarios.play.play import Job, System
 from scenarios.spec.names import load_scenario
 
@@ -194,11 +195,13 @@ def test_a_faulty_plug_in_fails_its_episode_and_the_rest_is_kept(
     (tmp_path / "faulty_plug_ins.py").write_text(PLUG_INS)
     monkeypatch.syspath_prepend(tmp_path)  # workers take over the parent's path
     faulty = System(tracker=f"faulty_plug_ins:{factory}")
-    played = play_all([job(), job(seed=1, system=faulty), job(seed=2)], 2, time_limit_s=12)
+    jobs = [job(), job(seed=1, system=faulty), job(seed=2)]
+    with local_executor(2) as executor:
+        played = play_all(jobs, executor, time_limit_s=12)
     assert [bool(row.failure) for row in played.rows] == [False, True, False]
     assert reason in played.rows[1].failure
 
 
-def test_a_fault_of_the_user_ends_the_run(tmp_path):
+def test_a_fault_of_the_user_ends_the_run(executor):
     with pytest.raises(BenchError, match="outside its range"):
-        play_all([job(speed="90")], 1)
+        play_all([job(speed="90")], executor)

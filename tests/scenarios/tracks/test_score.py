@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -21,8 +22,9 @@ from reports.run.load import load
 from reports.run.rows import rows_of
 from reports.run.save import RunInfo, save
 from reports.run.tables import tables_of
+from scenarios.play.plan import plan
 from scenarios.play.play import play
-from scenarios.run.run import entry_of, plan
+from scenarios.run.save_run import scenario_record
 from scenarios.tracks.files import read_tracks
 from scenarios.tracks.score import ScoreRequest, score_tracks
 from tests.scenarios.play.test_from_dataset import JOBS, ROOT, make, request
@@ -86,7 +88,7 @@ def files_of(episodes, folder):
     for number, episode in enumerate(episodes):
         target = folder / f"seq_{number:06d}"
         target.mkdir(parents=True)
-        with TrackWriter(target, episode.cameras) as tracks:
+        with closing(TrackWriter(target, episode.cameras)) as tracks:
             for outcome in episode.frames:
                 truth = outcome.truth
                 tracks.add(truth.index, truth.time_s, outcome.estimates)
@@ -107,7 +109,7 @@ def test_the_trackers_own_estimates_score_as_its_run(made, episodes, tmp_path):
     np.testing.assert_allclose(saved.frames[SCORES], run[SCORES], rtol=0, atol=1e-3)
     for column in ("error_mm", "status", "merged", "visible_left", "labels"):
         assert saved.frames[column].equals(run[column]), column
-    entries = {one.name: entry_of(one) for one in JOBS}
+    entries = {one.name: scenario_record(one) for one in JOBS}
     base = load(save(tmp_path / "run", rows, RunInfo("run", entries=entries)))
     verdict = compare(base, saved)
     assert verdict.verdict == "pass"

@@ -6,9 +6,10 @@ import shutil
 import cv2
 import numpy as np
 import pytest
-from small_dataset import SEQUENCES
+from small_dataset import SIZE_PX, simulation_of
 
 from pjpdaf.errors import BenchError
+from scenarios.play.recipe import sized
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
 from sim.dataset.files import encode
@@ -25,14 +26,10 @@ def moving(tmp_path_factory):
     folder = tmp_path_factory.mktemp("rays") / "seq_000000"
     folder.mkdir()
     overrides = {"frames": 6, "fps": 1.0, "background_frames": 0, "shutter_skew": 50, "jitter": 40}
-    with Simulation(perform(load_scenario("clap"), 151, overrides)) as simulation:
+    clapping = sized(perform(load_scenario("clap"), 151, overrides), SIZE_PX)
+    with Simulation(clapping) as simulation:
         write_sequence(simulation, folder, ("seg", "depth"), {})
         yield simulation, StoredSequence(folder, {})
-
-
-def simulation_of(number):
-    name, seed, overrides = SEQUENCES[number]
-    return Simulation(perform(load_scenario(name), seed, overrides))
 
 
 @pytest.mark.parametrize("number", [0, 1], ids=["pinhole", "lens"])
@@ -46,7 +43,7 @@ def test_rays_agree_with_the_files(dataset_made, number):
     # Depth is rounded to 0.1 mm: the median of that alone is 0.025 mm.
     assert 2e-5 < figures.median_m < 3e-5 < MOST_MEDIAN_M
     assert figures.rarely_m < 6e-5
-    assert figures.pixels == 4 * 640 * 480
+    assert figures.pixels == 4 * SIZE_PX[0] * SIZE_PX[1]
     assert figures.rays > figures.pixels / 40
     assert any("goal" in line for line in lines_of(figures))
 

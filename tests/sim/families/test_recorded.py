@@ -18,8 +18,8 @@ import pytest
 
 import scenarios
 from pjpdaf.errors import BenchError
+from scenarios.play.plan import PlanRequest, plan
 from scenarios.play.play import Job, System, digest_of
-from scenarios.run.run import RunRequest, plan
 from scenarios.spec.draw import concrete, in_si, perform
 from scenarios.spec.loader import load_scenario_file, load_suite_file
 from scenarios.spec.names import load_scenario
@@ -319,7 +319,7 @@ def test_a_suite_s_files_are_refused_outside_its_folder(tmp_path, clip):
 
 
 def request(target, *settings):
-    return RunRequest((target,), 1, "thesis", "thesis", "thesis", settings, 1, None, ())
+    return PlanRequest((target,), 1, settings=settings)
 
 
 def test_set_takes_a_file_from_anywhere_and_its_content_counts(tmp_path, monkeypatch):

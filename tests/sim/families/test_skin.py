@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from performances import HANDS, components_px, cue, cues, drawn, end_s, performance, renders
 
-from pjpdaf.detector.skin import SkinRange, skin_mask, to_hsv
-from pjpdaf.presets.parameters import DetectorParameters
+from pjpdaf.detector.parameters import DetectorParameters
+from pjpdaf.detector.skin import skin_mask, to_hsv
 from sim.vectors import norm
 
 SEEDS = range(200, 203)
@@ -20,9 +20,8 @@ def pixels_of(view, world, word):
 
 
 def skin(picture):
-    p = DetectorParameters()
-    found = SkinRange(p.hue_range_deg, p.saturation_range, p.value_min)
-    return skin_mask(to_hsv(picture), found) > 0
+    """Where the detector's default range takes a picture for skin."""
+    return skin_mask(to_hsv(picture), DetectorParameters().skin) > 0
 
 
 def test_the_block_has_the_colour_of_skin_and_joins_the_hand_that_carries_it(seeds):

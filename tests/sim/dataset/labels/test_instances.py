@@ -9,7 +9,7 @@ from pjpdaf.targets import TARGETS
 from sim.camera.render import StereoRenderer
 from sim.dataset.labels.instances import (
     FIRST_OBJECT,
-    MOST,
+    MAX_ID,
     NOTHING,
     PERSON,
     ROOM,
@@ -101,7 +101,7 @@ def test_of_nothing_is_nothing(world):
 
 
 def test_more_objects_than_a_byte_counts_are_refused(world):
-    many = tuple(replace(THINGS[0], name=str(i)) for i in range(MOST - FIRST_OBJECT + 2))
+    many = tuple(replace(THINGS[0], name=str(i)) for i in range(MAX_ID - FIRST_OBJECT + 2))
     crowded = replace(world, scene=replace(SCENE, room=RoomSpec(objects=many)))
     with pytest.raises(ValueError, match="at most 246 objects"):
         instances_of(crowded)

@@ -71,7 +71,7 @@ def test_keypoints_are_where_the_model_is_posed(world, seed):
     for _ in range(OFTEN):
         pose = any_pose(rng)
         world.place(pose)
-        at = dict(zip(KEYPOINTS, points.places(pose), strict=True))
+        at = dict(zip(KEYPOINTS, points.positions(pose), strict=True))
         np.testing.assert_allclose(at[0, "head_centre"], pose.head.position_m, atol=1e-12)
         face = np.linalg.norm(vertices(world, f"{SKIN}face") - at[0, "chin"], axis=1)
         assert face.min() < 1e-6
@@ -96,7 +96,7 @@ def test_keypoints_are_where_the_model_is_posed(world, seed):
 @pytest.mark.parametrize("scale", [0.9, 1.0, 1.12])
 def test_the_chin_is_the_foremost_point_between_lip_and_throat(scale):
     anatomy = Anatomy.of(head_scale=scale)
-    centre, chin = Keypoints(anatomy).places(rest_pose(anatomy))[:2]
+    centre, chin = Keypoints(anatomy).positions(rest_pose(anatomy))[:2]
     forward, left, up = (chin - centre) / np.array([0.0989, 0.0761, 0.1127]) / scale
     assert 0.6 < forward < 0.8
     assert abs(left) < 1e-9
@@ -135,11 +135,11 @@ def test_visible_is_what_rays_meet_first(world, renderer, seed):
     for _ in range(OFTEN):
         pose = any_pose(rng)
         world.place(pose)
-        places = points.places(pose)
+        places = points.positions(pose)
         for index, camera in enumerate(world.rig.cameras):
             view = renderer.view(index, colour=False, amodal=False)
             ids = instances.ids(view.geoms)
-            pixels, status = points.seen(pose, camera, world.lenses[index], ids, view.depth_m)
+            pixels, status = points.project(pose, camera, world.lenses[index], ids, view.depth_m)
             met, met_m = cast(world, camera, pixels)
             along = places - camera.centre_w
             range_m = np.linalg.norm(along, axis=1)
@@ -164,7 +164,7 @@ def placed(world, renderer, pose, view=0):
     drawn = renderer.view(view, colour=False, amodal=False)
     camera, lens = world.rig.cameras[view], world.lenses[view]
     ids = instances_of(world).ids(drawn.geoms)
-    pixels, status = Keypoints(ANATOMY).seen(pose, camera, lens, ids, drawn.depth_m)
+    pixels, status = Keypoints(ANATOMY).project(pose, camera, lens, ids, drawn.depth_m)
     found = zip(KEYPOINTS, pixels, status, strict=True)
     return {name: (pixel, s) for (target, name), pixel, s in found if target == 1}
 
@@ -222,7 +222,7 @@ def test_pixels_are_of_the_real_picture(world, renderer):
     camera = world.rig.left
     pose = rest_pose(ANATOMY)
     found = placed(world, renderer, pose)
-    places = Keypoints(ANATOMY).places(pose)[2:9]
+    places = Keypoints(ANATOMY).positions(pose)[2:9]
     expected = distort_points(camera, project(camera, places))
     np.testing.assert_allclose([pixel for pixel, _ in found.values()], expected, atol=1e-3)
     assert np.abs(expected - project(camera, places)).max() > 2

@@ -11,9 +11,9 @@ from pjpdaf.camera import Camera, StereoRig, distort_points, project, to_camera
 from sim.camera.rays import cast
 from sim.camera.render import StereoRenderer
 from sim.dataset.labels.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN
-from sim.dataset.labels.stereo import PicturePair, RectifiedPair, shown
+from sim.dataset.labels.stereo import PicturePair, RectifiedPair
 from sim.labels import back_project
-from sim.lens import lens_of
+from sim.lens import lens_of, real_pixels
 from sim.person.rest import rest_pose
 from sim.randomness import generator
 from sim.scene.rig import stereo_rig
@@ -261,12 +261,12 @@ def test_the_lens_is_opencvs(count):
     lens = lens_of(camera)
     rng = generator(100, "lens")
     at = rng.uniform((0, 0), (640, 480), (2000, 2)).astype(np.float32)
-    x, y = shown(camera, lens, at[:, 0], at[:, 1])
+    x, y = real_pixels(camera, lens, at[:, 0], at[:, 1])
     np.testing.assert_allclose(np.column_stack([x, y]), distort_points(camera, at), atol=5e-4)
     # Beyond the ideal picture nothing is claimed.
     low = K[:2, 2] - lens.ideal.K[:2, 2]
     beyond = np.array([low - 1, low + np.array([lens.ideal.width_px, 0])], np.float32)
-    assert np.isnan(shown(camera, lens, beyond[:, 0], beyond[:, 1])).all()
+    assert np.isnan(real_pixels(camera, lens, beyond[:, 0], beyond[:, 1])).all()
 
 
 def test_a_point_behind_the_other_camera_is_out_of_frame():
