@@ -1,8 +1,10 @@
 """The command as users start it: in a process of its own, or, faster, in this one."""
 
+import io
 import os
 import subprocess
 import sys
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import pytest
@@ -26,13 +28,17 @@ def bench(*words, cwd=ROOT, **environment):
     )
 
 
-def in_this_process(monkeypatch, capsys, *words):
-    """The same without the two seconds in which a new process loads everything."""
-    monkeypatch.setattr(sys, "argv", ["pjpdaf-bench", *map(str, words)])
-    with pytest.raises(SystemExit) as end:
-        main()
-    output = capsys.readouterr()
-    return subprocess.CompletedProcess(words, end.value.code, output.out, output.err)
+def in_this_process(*words):
+    """The same without the seconds in which a new process loads everything."""
+    output, errors = io.StringIO(), io.StringIO()
+    code = None
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(output), redirect_stderr(errors):
+        patch.setattr(sys, "argv", ["pjpdaf-bench", *map(str, words)])
+        try:
+            main()
+        except SystemExit as end:
+            code = end.code
+    return subprocess.CompletedProcess(words, code, output.getvalue(), errors.getvalue())
 
 
 def assert_one_line(done, code, *fragments):

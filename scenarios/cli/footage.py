@@ -60,7 +60,7 @@ def track(
 
     Positions are in the left camera's frame (OpenCV: x right, y down, z forward), in metres.
     """
-    from scenarios.footage.track import TrackRequest
+    from scenarios.footage.session import TrackRequest
     from scenarios.footage.track import track as track_footage
 
     track_footage(

@@ -9,7 +9,7 @@ from pathlib import Path
 from pjpdaf.errors import BenchError, InfrastructureError
 from scenarios.play.recipe import performance_from_recipe
 from sim.dataset.check.fault import Fault
-from sim.dataset.raytruth import RayFigures, lines_of, ray_check, together
+from sim.dataset.raytruth import RayFigures, lines_of, pooled, ray_check
 from sim.dataset.reader import open_dataset
 from sim.dataset.stored_sequence import StoredSequence
 from sim.sequence import Simulation
@@ -65,7 +65,7 @@ def compare_with_rays(folder: Path, frames: int, faulty: Collection[str] = ()) -
             faults.append(
                 Fault(sequence.name, f"is not what its recipe makes: {lines_of(figures_here)[0]}")
             )
-    return RayComparison(together(figures) if figures else None, tuple(faults), tuple(refused))
+    return RayComparison(pooled(figures) if figures else None, tuple(faults), tuple(refused))
 
 
 def _frames_by_sequence(

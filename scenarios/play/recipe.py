@@ -27,7 +27,7 @@ SMALLEST, LARGEST = 32, 4096  # width and height of a picture
 
 
 @dataclass(frozen=True)
-class Settings:
+class SequenceSettings:
     """What a data set's pictures and labels depend on beside its scenarios.
 
     size_px: width and height; the focal length goes with the width. None: as the scenario has it.
@@ -46,7 +46,7 @@ class Recipe:
     """A sequence to make. rung: of the ladder, "" without one."""
 
     job: Job
-    settings: Settings
+    settings: SequenceSettings
     rung: str = ""
     made_with: Mapping[str, Any] = field(default_factory=dict)
 
@@ -218,7 +218,7 @@ def checked_size(size: tuple[int, int], where: str) -> tuple[int, int]:
     return size
 
 
-def _settings(record: Any, path: Path) -> Settings:
+def _settings(record: Any, path: Path) -> SequenceSettings:
     try:
         labels, size = record["labels"], record["size_px"]
         if not all(isinstance(name, str) for name in labels):
@@ -228,7 +228,7 @@ def _settings(record: Any, path: Path) -> Settings:
         raise BenchError(f"{path}: settings must have labels and size_px.") from None
     if size_px is not None:
         checked_size(size_px, f"{path}: settings.size_px")
-    return Settings(checked_labels(labels, f"{path}: settings.labels"), size_px)
+    return SequenceSettings(checked_labels(labels, f"{path}: settings.labels"), size_px)
 
 
 def _clips(record: Mapping[str, Any], folder: Path, path: Path) -> dict[str, FileText]:

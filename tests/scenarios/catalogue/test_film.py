@@ -29,11 +29,11 @@ def test_odd_frames_are_one_line(words):
         parse_frame_range(words, 48)
 
 
-def test_a_film_has_every_frame_with_its_truth(tmp_path, monkeypatch, capsys):
+def test_a_film_has_every_frame_with_its_truth(tmp_path):
     pytest.importorskip("av")
     film = tmp_path / "my.cross.mp4"
     words = ("scenarios", "show", "cross", "--film", film)
-    done = in_this_process(monkeypatch, capsys, *words, "--seed", 100, "--frames", "12:16")
+    done = in_this_process(*words, "--seed", 100, "--frames", "12:16")
     assert done.returncode == 0, done.stderr
     assert done.stdout == f"film: {film} (5 frames at 3 a second)\n"
     assert done.stderr.strip() == ""
@@ -47,15 +47,15 @@ def test_a_film_has_every_frame_with_its_truth(tmp_path, monkeypatch, capsys):
     capture.release()
     assert [frame.shape for frame in frames] == [(480 + STRIP_PX, 1284, 3)] * 5
     assert (frames[0] != frames[4]).any()
-    again = in_this_process(monkeypatch, capsys, *words)
+    again = in_this_process(*words)
     assert again.returncode == 2
     assert "exists; give another name" in again.stderr
 
 
-def test_a_sheet_has_frames_of_the_whole_and_takes_settings(tmp_path, monkeypatch, capsys):
+def test_a_sheet_has_frames_of_the_whole_and_takes_settings(tmp_path):
     sheet = tmp_path / "sheet.PNG"
     words = ("scenarios", "show", "drink", "--set", "frames=6", "--seed", 100, "--film", sheet)
-    done = in_this_process(monkeypatch, capsys, *words)
+    done = in_this_process(*words)
     assert done.returncode == 0, done.stderr
     assert done.stdout == f"sheet: {sheet} (frames 0, 1, 2, 3, 4, 5)\n"
     picture = cv2.imread(str(sheet))
@@ -83,11 +83,11 @@ FAULTS = [
 
 
 @pytest.mark.parametrize(("words", "fragments"), FAULTS, ids=[" ".join(w) for w, _ in FAULTS])
-def test_a_fault_is_one_line_and_nothing_is_left(words, fragments, tmp_path, monkeypatch, capsys):
+def test_a_fault_is_one_line_and_nothing_is_left(words, fragments, tmp_path, monkeypatch):
     (tmp_path / "taken.png").write_text("mine")
     (tmp_path / "folder.png").mkdir()
     monkeypatch.chdir(tmp_path)
-    done = in_this_process(monkeypatch, capsys, "scenarios", "show", *words)
+    done = in_this_process("scenarios", "show", *words)
     assert done.returncode == 2
     (line,) = done.stderr.strip().splitlines()
     for fragment in fragments:
@@ -96,10 +96,10 @@ def test_a_fault_is_one_line_and_nothing_is_left(words, fragments, tmp_path, mon
     assert (tmp_path / "taken.png").read_text() == "mine"
 
 
-def test_without_the_extra_a_film_is_one_line(tmp_path, monkeypatch, capsys):
+def test_without_the_extra_a_film_is_one_line(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "av", None)
     words = ("scenarios", "show", "cross", "--film", tmp_path / "out.mp4")
-    done = in_this_process(monkeypatch, capsys, *words)
+    done = in_this_process(*words)
     assert done.returncode == 5
     (line,) = done.stderr.strip().splitlines()
     assert "pjpdaf-bench[video]" in line

@@ -7,10 +7,10 @@ from scenarios.catalogue import pages as gallery
 from scenarios.spec.names import scenario_names
 
 
-def test_only_pages_of_ours_are_replaced(tmp_path, monkeypatch, capsys):
+def test_only_pages_of_ours_are_replaced(tmp_path):
     readme = tmp_path / "README.md"
     readme.write_text("mine")
-    done = in_this_process(monkeypatch, capsys, "scenarios", "list", "--markdown", readme)
+    done = in_this_process("scenarios", "list", "--markdown", readme)
     assert done.returncode == 2
     assert "is not a catalogue page" in done.stderr
     assert readme.read_text() == "mine"

@@ -21,7 +21,7 @@ from reports.run.tables import tables_of
 from scenarios.play.job import Job, System, digest_of
 from scenarios.play.plan import PlanRequest, plan
 from scenarios.play.play import play_complete
-from scenarios.play.recipe import Recipe, Settings
+from scenarios.play.recipe import Recipe, SequenceSettings
 from scenarios.run.save_run import scenario_record
 from scenarios.spec.names import load_scenario
 from sim.dataset.files.layout import sequence_name
@@ -49,7 +49,7 @@ def make(folder, jobs, size_px=None):
     folder.mkdir()
     entries = []
     for index, one in enumerate(jobs):
-        recipe = Recipe(one, Settings((), size_px))
+        recipe = Recipe(one, SequenceSettings((), size_px))
         target = folder / sequence_name(index)
         target.mkdir()
         with Simulation(recipe.performance()) as simulation:
