@@ -20,7 +20,7 @@ from pjpdaf.presets.registry import PRESETS
 from pjpdaf.tracker.filter import PJPDAF
 from reports.pictures.overlay import overlay_jpeg
 from reports.pictures.stills import still
-from reports.score.records import Episode, FrameOutcome, Picture, Still
+from reports.score.records import Episode, FrameOutcome, OverlayPicture, Still
 from scenarios.play.blame import blame
 from scenarios.play.error_budget import error_budget
 from scenarios.spec.draw import concrete, perform
@@ -161,7 +161,7 @@ def play_footage(job: Job, footage: Footage) -> Episode:
     """Detect, track and collect what is scored. Raises what a plug-in raises."""
     gallery = Gallery(footage.frame_count) if job.keep_pictures else None
     outcomes = []
-    pictures: list[Picture] = []
+    pictures: list[OverlayPicture] = []
     film: list[Still] = []
     detector, tracker = make_system(job.system, footage.calibration)
     detector = detector.learn(footage.background())
@@ -177,7 +177,7 @@ def play_footage(job: Job, footage: Footage) -> Episode:
             picture = overlay_jpeg(
                 frame, footage.rig.cameras, step.detections, step.estimates, truth
             )
-            pictures.append(Picture(frame.index, picture))
+            pictures.append(OverlayPicture(frame.index, picture))
         if wanted or job.keep_film:
             film.append(Still(frame.index, still(frame, footage.rig.cameras)))
     episode = Episode(
