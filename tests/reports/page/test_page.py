@@ -223,7 +223,9 @@ def test_sixty_episodes_stay_in_their_size(sixty, episode_of, tools, tmp_path, f
     played = [
         replace(
             row,
-            pictures=tuple(OverlayPicture(f, jpeg) for f in range(0, 50, 5)) if row.seed == 0 else (),
+            pictures=tuple(OverlayPicture(f, jpeg) for f in range(0, 50, 5))
+            if row.seed == 0
+            else (),
             film=tuple(Still(f, webp) for f in range(0, 50, 1 if filmed else 5)),
         )
         for row in sixty
