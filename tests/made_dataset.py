@@ -7,9 +7,9 @@ from shared import shared
 
 from scenarios.dataset.make import make_dataset
 from scenarios.dataset.sequence_plan import MakeRequest
-from scenarios.play.recipe import Settings
+from scenarios.play.recipe import SequenceSettings
 
-SMALL = Settings(("depth", "seg"), (96, 72))
+SMALL = SequenceSettings(("depth", "seg"), (96, 72))
 
 
 def request(out, **changes):

@@ -13,9 +13,11 @@ from rich.console import Console
 from rich.table import Table
 
 from pjpdaf.boards import Board
-from pjpdaf.calibrate import LENS_FLAGS, CalibrationReport, calibrate_pairs
+from pjpdaf.calibrate import calibrate as calibrate_pairs
+from pjpdaf.calibration_report import CalibrationReport
 from pjpdaf.errors import BenchError
 from pjpdaf.sources import PicturePair, open_source, picture_pairs
+from pjpdaf.stereo_solver import LENS_FLAGS
 from scenarios.console.folder import written_whole
 from scenarios.console.progress import progress_bar
 

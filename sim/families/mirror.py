@@ -31,10 +31,13 @@ def _mirror(stage: Stage) -> MotionPlan:
     # As many coins whatever the number of meetings, so that fewer begin like more.
     coins = stage.streams("coins").random(MOST_MEETINGS) < stage.number("cross_share")
     places, cues = (a.apart, a.crossed), []
+    shares: dict[int, tuple[float, float]] = {}  # of the ways from either pair of places
     crossed = 0  # index of the pair of places at which the hands are
     for k in range(round(stage.number("meetings"))):
+        if crossed not in shares:
+            shares[crossed] = merged_shares(stage, a, places[crossed], places[1 - crossed])
         meet = _cross_over if coins[k] else _turn_back
-        cues.append(meet(stage, a, places[crossed], places[1 - crossed], k + 1))
+        cues.append(meet(stage, a, places[crossed], places[1 - crossed], shares[crossed], k + 1))
         crossed = 1 - crossed if coins[k] else crossed
         for hand in a.hands:
             hand.wait(stage.number("pause"))
@@ -43,16 +46,20 @@ def _mirror(stage: Stage) -> MotionPlan:
     return stage.plan(a.hands, cues=tuple(cues))
 
 
-def _cross_over(stage: Stage, a: Approach, here: Pair, there: Pair, k: int) -> Cue:
+def _cross_over(
+    stage: Stage, a: Approach, here: Pair, there: Pair, merged: tuple[float, float], k: int
+) -> Cue:
     """Add the strokes of both hands to the other side; returns their cue."""
     strokes = [a.hands[s].move(there[s], stage.number("speed"), a.bows_m[s]) for s in (0, 1)]
-    return during(f"cross:{k}", strokes[0], merged_shares(stage, a, here, there))
+    return during(f"cross:{k}", strokes[0], merged)
 
 
-def _turn_back(stage: Stage, a: Approach, here: Pair, there: Pair, k: int) -> Cue:
+def _turn_back(
+    stage: Stage, a: Approach, here: Pair, there: Pair, merged: tuple[float, float], k: int
+) -> Cue:
     """Add the same strokes, broken off where the hands merge, and the way back; returns the cue."""
     speed, further = stage.number("speed"), 0.5 * stage.number("overlap")
-    share = merged_shares(stage, a, here, there)[0]
+    share = merged[0]
     begun_s = 0.0
     for side in (0, 1):
         hand = a.hands[side]

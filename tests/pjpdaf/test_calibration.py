@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from pjpdaf.boards import Board, Corners, charuco_board, find_corners, turned
-from pjpdaf.calibrate import calibrate, calibrate_pairs
+from pjpdaf.calibrate import calibrate
 from pjpdaf.calibration import read_rig, write_rig
 from pjpdaf.camera import Camera, StereoRig
 from pjpdaf.errors import BenchError
-from pjpdaf.sources import PicturePair
+from pjpdaf.sources import PicturePair, picture_pairs
 
 WIDTH, HEIGHT = 480, 360
 CHESS = Board("chessboard", 8, 5, 0.03)
@@ -315,7 +315,7 @@ def assert_recovered(report, truth: StereoRig) -> None:
 
 
 def test_chessboard_calibration_recovers_the_rig(chess_pairs, tmp_path):
-    report = calibrate_pairs(chess_pairs, CHESS, tmp_path)
+    report = calibrate(chess_pairs, CHESS, tmp_path)
     assert_recovered(report, example_rig())
     assert report.used == len(chess_pairs)
     assert report.rms_stereo_px < 0.2
@@ -330,7 +330,7 @@ def test_chessboard_calibration_recovers_the_rig(chess_pairs, tmp_path):
 
 
 def test_charuco_calibration_recovers_the_rig():
-    report = calibrate_pairs(picture_pairs_of(CHARUCO, example_rig(), 10), CHARUCO)
+    report = calibrate(picture_pairs_of(CHARUCO, example_rig(), 10), CHARUCO)
     assert_recovered(report, example_rig())
     assert report.files == ()
 
@@ -342,7 +342,7 @@ def test_bad_pairs_are_left_out_and_named(chess_pairs):
     bad[1] = dataclasses.replace(bad[1], pictures=(bad[1].pictures[0], None))
     # The board moved between the two exposures.
     bad[2] = dataclasses.replace(bad[2], pictures=(bad[2].pictures[0], bad[5].pictures[1]))
-    report = calibrate_pairs(bad, CHESS)
+    report = calibrate(bad, CHESS)
     assert [p.used for p in report.pairs] == [False] * 3 + [True] * 7
     assert report.pairs[0].reason == "no board found in left"
     assert report.pairs[1].reason == "no readable picture in right"
@@ -362,9 +362,9 @@ def test_boards_numbered_from_the_other_end_are_turned_back(chess_pairs, monkeyp
             return Corners(corners.ids, corners.pixels[::-1])
         return corners
 
-    straight = calibrate_pairs(chess_pairs, CHESS)
+    straight = calibrate(chess_pairs, CHESS)
     monkeypatch.setattr("pjpdaf.calibrate.find_corners", numbered)
-    report = calibrate_pairs(chess_pairs, CHESS)
+    report = calibrate(chess_pairs, CHESS)
     changed = [a.turned != b.turned for a, b in zip(report.pairs, straight.pairs, strict=True)]
     assert changed == [i in (1, 4, 5, 8) for i in range(10)]
     assert all(pair.used for pair in report.pairs)
@@ -373,18 +373,18 @@ def test_boards_numbered_from_the_other_end_are_turned_back(chess_pairs, monkeyp
 
 def test_too_few_boards_is_one_line_with_the_reasons(chess_pairs):
     with pytest.raises(BenchError) as fault:
-        calibrate_pairs(chess_pairs[:3], CHESS)
+        calibrate(chess_pairs[:3], CHESS)
     assert "at least 4 pairs that show the board in both views, got 3 of 3" in str(fault.value)
     wrong = dataclasses.replace(CHESS, columns=7, rows=7)
     with pytest.raises(BenchError, match=r"0\.png: no board found in left and right.*inner corn"):
-        calibrate_pairs(chess_pairs[:1], wrong)
+        calibrate(chess_pairs[:1], wrong)
 
 
 def test_pictures_of_two_sizes_are_refused(chess_pairs):
     small = np.zeros((10, 20, 3), np.uint8)
     mixed = [chess_pairs[0], PicturePair(1, ("a.png", "b.png"), (small, small))]
     with pytest.raises(BenchError, match=r"a\.png: the picture is 20x10 px, the others 480x360"):
-        calibrate_pairs(mixed, CHESS)
+        calibrate(mixed, CHESS)
 
 
 def test_calibration_from_folders(chess_pairs, tmp_path):
@@ -394,7 +394,9 @@ def test_calibration_from_folders(chess_pairs, tmp_path):
             cv2.imwrite(str(tmp_path / name / f"{pair.index}.png"), pair.pictures[view])
     (tmp_path / "right" / "3.png").write_bytes(b"nothing")
     said: list[str] = []
-    report = calibrate(tmp_path / "left", tmp_path / "right", CHESS, None, 4, said.append)
+    report = calibrate(
+        picture_pairs(tmp_path / "left", tmp_path / "right", said.append), CHESS, None, 4
+    )
     assert [p.used for p in report.pairs] == [True, True, True, False, True]
     assert Path(report.pairs[3].right).name == "3.png"
     assert len(said) == 1
@@ -403,4 +405,4 @@ def test_calibration_from_folders(chess_pairs, tmp_path):
 
 def test_an_unknown_lens_model_is_refused():
     with pytest.raises(BenchError, match="one of 4, 5, 8, 12, 14 coefficients, got 6"):
-        calibrate_pairs([], CHESS, coefficients=6)
+        calibrate([], CHESS, coefficients=6)

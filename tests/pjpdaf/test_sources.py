@@ -216,7 +216,7 @@ def test_a_video_cut_short_gives_what_it_has(tmp_path):
     [
         (lambda p: p / "none", "no such file or folder"),
         (lambda p: write(p / "empty", []), "no pictures in this folder"),
-        (lambda p: write(p / "one", ["a.png"]) / "a.png", "one picture is no sequence"),
+        (lambda p: write(p / "one", ["a.png"]) / "a.png", "one picture is not a sequence"),
     ],
 )
 def test_a_source_that_is_none(tmp_path, make, words):

@@ -17,7 +17,7 @@ from made_dataset import contents, made_dataset, request
 from pjpdaf.errors import BenchError
 from scenarios.dataset.make import make_dataset as make
 from scenarios.play.ladder import RUNGS
-from scenarios.play.recipe import Settings
+from scenarios.play.recipe import SequenceSettings
 from sim.dataset.files.checksums import read_sums, sha256_of
 from sim.dataset.files.reading import read_json
 from sim.dataset.reader import open_dataset
@@ -139,8 +139,14 @@ def test_a_second_maker_is_refused(tmp_path):
 
 
 OTHERS = (
-    ({"labels": Settings(("depth",), (96, 72))}, r"other settings: labels \['depth', 'seg'\]"),
-    ({"labels": Settings(("depth", "seg"), (64, 48))}, r"other settings: size_px \[96, 72\]"),
+    (
+        {"labels": SequenceSettings(("depth",), (96, 72))},
+        r"other settings: labels \['depth', 'seg'\]",
+    ),
+    (
+        {"labels": SequenceSettings(("depth", "seg"), (64, 48))},
+        r"other settings: size_px \[96, 72\]",
+    ),
     ({"seeds": 1}, r"other scenarios or seeds \(4 sequences, asked for 2\)"),
     ({"settings": ("frames=2", "background_frames=1")}, "other scenarios or seeds"),
     ({"ladder": True}, "other settings: ladder False, asked for True"),
@@ -191,7 +197,7 @@ def test_a_full_disk_is_one_line_and_what_is_finished_stays(made):
 
 def test_the_ladder_has_the_same_poses_on_every_rung(tmp_path):
     out = tmp_path / "set"
-    larger = Settings(("depth", "seg"), (240, 180))  # so that something moves by pixels
+    larger = SequenceSettings(("depth", "seg"), (240, 180))  # so that something moves by pixels
     settings = ("frames=3", "fps=1", "background_frames=1")
     make(request(out, targets=("cross",), seeds=1, ladder=True, settings=settings, labels=larger))
     dataset = open_dataset(out)
@@ -219,7 +225,7 @@ def test_the_ladder_has_the_same_poses_on_every_rung(tmp_path):
 def test_a_size_changes_the_pictures_and_not_what_is_seen(made, tmp_path):
     out = tmp_path / "set"
     short = ("frames=2", "background_frames=1")
-    labels = Settings(("seg",), (192, 144))
+    labels = SequenceSettings(("seg",), (192, 144))
     make(request(out, targets=("cross",), seeds=1, settings=short, labels=labels))
     large, small = open_dataset(out).sequences[0], open_dataset(made).sequences[0]
     assert large.seg(0, 0).shape == (144, 192)

@@ -7,8 +7,8 @@ import pytest
 from made_dataset import SMALL, made_dataset
 
 from pjpdaf.errors import BenchError
-from scenarios.play.play import Job
-from scenarios.play.recipe import Recipe, labels_named, read_recipe, size_named
+from scenarios.play.job import Job
+from scenarios.play.recipe import Recipe, parse_labels, parse_size, read_recipe
 from scenarios.spec.scenario import digest
 
 
@@ -68,17 +68,17 @@ def test_a_recipe_of_a_scenario_of_ones_own_needs_nothing_else(made, tmp_path):
 @pytest.mark.parametrize("words", ["12", "0x5", "axb", "64x", "64x5000", "-64x64", "1e3x64"])
 def test_a_size_that_is_none_is_one_line(words):
     with pytest.raises(BenchError, match="--size"):
-        size_named(words)
+        parse_size(words)
 
 
 def test_the_size_that_scenarios_have_is_no_change():
-    assert size_named("640x480") is None
-    assert size_named("320x240") == (320, 240)
+    assert parse_size("640x480") is None
+    assert parse_size("320x240") == (320, 240)
 
 
 def test_labels_are_named_in_any_order():
-    assert labels_named("seg,depth") == ("depth", "seg")
-    assert labels_named("none") == ()
-    assert "float" in labels_named("all")
+    assert parse_labels("seg,depth") == ("depth", "seg")
+    assert parse_labels("none") == ()
+    assert "float" in parse_labels("all")
     with pytest.raises(BenchError, match="--labels masks: must be of clean, depth"):
-        labels_named("masks")
+        parse_labels("masks")
