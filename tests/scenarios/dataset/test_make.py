@@ -18,15 +18,15 @@ from pjpdaf.errors import BenchError
 from scenarios.dataset.make import make_dataset as make
 from scenarios.dataset.remake import remake_sequence
 from scenarios.dataset.sequence_plan import MakeRequest
+from scenarios.play.job import Job
 from scenarios.play.ladder import RUNGS
-from scenarios.play.play import Job
-from scenarios.play.recipe import Recipe, Settings, labels_named, read_recipe, size_named
+from scenarios.play.recipe import Recipe, SequenceSettings, parse_labels, parse_size, read_recipe
 from scenarios.spec.scenario import digest
 from sim.dataset.files.checksums import read_sums, sha256_of
 from sim.dataset.files.reading import read_json
 from sim.dataset.reader import open_dataset
 
-SMALL = Settings(("depth", "seg"), (96, 72))
+SMALL = SequenceSettings(("depth", "seg"), (96, 72))
 WORDS = ["cross", "recorded", "--seeds", "2", "--first-seed", "100", "--size", "96x72"]
 WORDS += ["--set", "frames=4", "--set", "background_frames=1", "--labels", "depth,seg"]
 WORDS += ["--export", "none"]
@@ -179,8 +179,14 @@ def test_a_second_maker_is_refused(tmp_path):
 
 
 OTHERS = (
-    ({"labels": Settings(("depth",), (96, 72))}, r"other settings: labels \['depth', 'seg'\]"),
-    ({"labels": Settings(("depth", "seg"), (64, 48))}, r"other settings: size_px \[96, 72\]"),
+    (
+        {"labels": SequenceSettings(("depth",), (96, 72))},
+        r"other settings: labels \['depth', 'seg'\]",
+    ),
+    (
+        {"labels": SequenceSettings(("depth", "seg"), (64, 48))},
+        r"other settings: size_px \[96, 72\]",
+    ),
     ({"seeds": 2}, r"other scenarios or seeds \(2 sequences, asked for 4\)"),
     ({"settings": ("frames=2", "background_frames=1")}, "other scenarios or seeds"),
     ({"ladder": True}, "other settings: ladder False, asked for True"),
@@ -295,7 +301,7 @@ def test_a_recipe_of_a_scenario_of_ones_own_needs_nothing_else(made, tmp_path):
 
 def test_the_ladder_has_the_same_poses_on_every_rung(tmp_path):
     out = tmp_path / "set"
-    larger = Settings(("depth", "seg"), (320, 240))  # so that something moves by pixels
+    larger = SequenceSettings(("depth", "seg"), (320, 240))  # so that something moves by pixels
     words = ("frames=3", "fps=1", "background_frames=1")
     make(request(out, targets=("cross",), ladder=True, settings=words, labels=larger))
     dataset = open_dataset(out)
@@ -322,7 +328,7 @@ def test_the_ladder_has_the_same_poses_on_every_rung(tmp_path):
 
 def test_a_size_changes_the_pictures_and_not_what_is_seen(made, tmp_path):
     out = tmp_path / "set"
-    make(request(out, targets=("cross",), labels=Settings(("seg",), (192, 144))))
+    make(request(out, targets=("cross",), labels=SequenceSettings(("seg",), (192, 144))))
     large, small = open_dataset(out).sequences[0], open_dataset(made).sequences[0]
     assert large.seg(0, 0).shape == (144, 192)
     assert large.rig.left.K[0, 0] == pytest.approx(2 * small.rig.left.K[0, 0])
@@ -333,20 +339,20 @@ def test_a_size_changes_the_pictures_and_not_what_is_seen(made, tmp_path):
 @pytest.mark.parametrize("words", ["12", "0x5", "axb", "64x", "64x5000", "-64x64", "1e3x64"])
 def test_a_size_that_is_none_is_one_line(words):
     with pytest.raises(BenchError, match="--size"):
-        size_named(words)
+        parse_size(words)
 
 
 def test_the_size_that_scenarios_have_is_no_change():
-    assert size_named("640x480") is None
-    assert size_named("320x240") == (320, 240)
+    assert parse_size("640x480") is None
+    assert parse_size("320x240") == (320, 240)
 
 
 def test_labels_are_named_in_any_order():
-    assert labels_named("seg,depth") == ("depth", "seg")
-    assert labels_named("none") == ()
-    assert "float" in labels_named("all")
+    assert parse_labels("seg,depth") == ("depth", "seg")
+    assert parse_labels("none") == ()
+    assert "float" in parse_labels("all")
     with pytest.raises(BenchError, match="--labels masks: must be of clean, depth"):
-        labels_named("masks")
+        parse_labels("masks")
 
 
 def test_a_tracker_is_not_part_of_a_data_set(tmp_path):
