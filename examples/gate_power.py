@@ -28,8 +28,9 @@ from reports.run.rows import EpisodeRows, rows_of
 from reports.run.save import RunInfo, save
 from reports.score.records import EpisodeFailure
 from scenarios.execute.local import local_executor, worker_count
+from scenarios.play.job import Job, System, digest_of
 from scenarios.play.plan import PlanRequest, plan
-from scenarios.play.play import Job, System, digest_of, play_footage
+from scenarios.play.play import complete_episode
 from scenarios.run.save_run import scenario_record
 from scenarios.spec.draw import perform
 from sim.processes import Lost
@@ -386,8 +387,8 @@ def play_all(job: Job) -> dict[str, EpisodeRows]:
 def play_one(job: Job, film: Kept, change: System | Callable[[Kept], Kept]) -> EpisodeRows:
     try:
         if isinstance(change, System):
-            return rows_of(play_footage(replace(job, system=change), film))
-        return rows_of(play_footage(job, change(film)))
+            return rows_of(complete_episode(replace(job, system=change), film))
+        return rows_of(complete_episode(job, change(film)))
     except Exception as fault:
         return rows_of(
             EpisodeFailure(job.name, job.seed, str(fault), job.scenario.group, digest_of(job))

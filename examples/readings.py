@@ -17,8 +17,9 @@ from pjpdaf.tracker.filter import PJPDAF
 from pjpdaf.tracker.thesis_units import FRAME_S
 from reports.run.rows import rows_of
 from reports.score.records import Episode
+from scenarios.play.job import Job, System
 from scenarios.play.oracle import Oracle, track_again
-from scenarios.play.play import Job, System, play
+from scenarios.play.play import play
 from scenarios.spec.names import load_scenario
 
 SCENARIOS = ("calm_table", "drink", "cross", "bounce", "speed_ladder")

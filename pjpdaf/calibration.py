@@ -27,7 +27,7 @@ def read_rig(
 
     intrinsics: file with M1 D1 M2 D2, or the folder that holds both files under their usual names;
     extrinsics: file with R T (default: beside the first under its usual name, or, where that file
-    has R itself, the same one); size_px: width and height of the pictures, needed where the files
+    has R itself, that file); size_px: width and height of the pictures, needed where the files
     have no image_width and image_height; unit_m: length of T's unit [m], 0.001 for millimetres.
 
     Raises FileError naming file and key.
@@ -56,7 +56,7 @@ def read_rig(
 
 
 def write_rig(rig: StereoRig, folder: Path | str) -> tuple[Path, Path]:
-    """Writes intrinsics.yml and extrinsics.yml as OpenCV's stereo sample does; returns their paths.
+    """Write intrinsics.yml and extrinsics.yml as OpenCV's stereo sample does; returns their paths.
 
     The world frame of the rig is not kept: R, T lead from the left camera to the right. Beside the
     sample's keys stand image_width and image_height, which it omits.
@@ -132,7 +132,7 @@ class _Yaml:
         if not path.is_file():
             raise FileError(path, "no such calibration file")
         level = cv2.utils.logging.getLogLevel()
-        cv2.utils.logging.setLogLevel(0)  # OpenCV prints what is raised here as well
+        cv2.utils.logging.setLogLevel(0)  # OpenCV prints its own account of the faults raised here
         try:
             self._storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
             opened = self._storage.isOpened()
@@ -232,7 +232,7 @@ def _translation(file: _Yaml, unit_m: float) -> Floats:
     T = T.ravel() * unit_m
     length = float(np.linalg.norm(T))
     if length < 1e-6:
-        raise FileError(file.path, "T is zero; two cameras in one place see no depth")
+        raise FileError(file.path, "T is zero; two cameras at the same place see no depth")
     if length > BASELINE_MAX_M:
         raise FileError(
             file.path,

@@ -35,7 +35,7 @@ class CalibrationReport:
 
     rig: left camera at the origin; pairs: every pair, in order; rms_left_px, rms_right_px: each
     camera alone; rms_stereo_px: the final rig; epipolar_px: mean |y_left - y_right| of the corners
-    after rectification. sd_left, sd_right (4 + n,): one standard deviation of fx fy cx cy [px] and
+    after rectification. sd_left, sd_right (4 + n,): standard deviations of fx fy cx cy [px] and
     of the lens's coefficients; files: those that were written.
     """
 

@@ -132,7 +132,7 @@ class Tracker(Protocol[State]):
         ...
 
     def predict(self, state: State, dt_s: float, /) -> Estimates:
-        """Return what is expected dt_s after `state`, handed to the detector."""
+        """Return the estimates expected dt_s after `state`, handed to the detector."""
         ...
 
 

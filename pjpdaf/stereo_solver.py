@@ -26,7 +26,7 @@ LENS_FLAGS = {
     14: cv2.CALIB_RATIONAL_MODEL | cv2.CALIB_THIN_PRISM_MODEL | cv2.CALIB_TILTED_MODEL,
 }
 PAIRS_MIN = 4  # fewer board poses leave focal length and lens undetermined
-OUTLIER_FACTOR = 3.0  # a picture this many times worse than the median one ...
+OUTLIER_FACTOR = 3.0  # a picture this many times worse than the median ...
 OUTLIER_FLOOR_PX = 0.5  # ... and worse than this is left out: moved, blurred, or mis-numbered
 OUTLIER_ROUNDS = 5
 SAME_POSE_DEG = 5.0  # how far one picture's estimate of the rig's rotation may be off
@@ -158,7 +158,7 @@ def _same_numbering(
     """Pairs whose corners are numbered from the same end in both views.
 
     Each picture pair gives the rig's rotation twice, for the right board as numbered and turned.
-    The true rotation is the one that most pairs agree on with one of their two.
+    The true rotation is that on which most pairs agree with either of their two.
     """
     if board.kind == "charuco":
         return pairs

@@ -12,7 +12,7 @@ import pandas as pd
 
 from pjpdaf.targets import TARGETS
 from scenarios.execute.episodes import play_all
-from scenarios.play.play import Job, System
+from scenarios.play.job import Job, System
 from scenarios.spec.names import load_scenario
 
 GOLDEN = Path(__file__).parent / "golden" / "cross_0.csv"

@@ -1,4 +1,4 @@
-"""Background: each pixel one Gaussian over (H, S, V), thesis 3.1.1."""
+"""Background: a Gaussian over (H, S, V) for each pixel, thesis 3.1.1."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pjpdaf.checks import check_above_zero, check_not_negative
 from pjpdaf.detector.skin import HUE_STEP_DEG, to_hsv
 from pjpdaf.errors import BenchError
 
-UNIFORM_SD_DEG = 360.0 / 12**0.5  # hue that is anything at all; a grey pixel's
+UNIFORM_SD_DEG = 360.0 / 12**0.5  # of a hue distributed uniformly, as a grey pixel's
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Background:
     """Mean and standard deviation of each pixel of a person-free scene.
 
     mean, sd: float32 (h, w, 3): hue [deg] (circular), saturation and value in 0..1, as observed,
-    without floors; frames: how many pictures they come from.
+    without floors; frames: number of pictures they come from.
     """
 
     mean: np.ndarray
@@ -83,7 +83,7 @@ class BackgroundTest:
 
 
 class BackgroundSums:
-    """What learning keeps of the pictures seen so far: sums, so that memory stays flat."""
+    """Sums over the pictures learnt so far; memory stays flat."""
 
     def __init__(self) -> None:
         self.frames = 0
@@ -92,7 +92,7 @@ class BackgroundSums:
         self._cosines, self._sines = np.cos(angles), np.sin(angles)
 
     def add(self, picture: np.ndarray) -> None:
-        """One more person-free picture, uint8 BGR (h, w, 3). BenchError if its size is another."""
+        """Add a person-free picture, uint8 BGR (h, w, 3). Raises BenchError for another size."""
         if self.frames == 0:
             self._size = picture.shape
             self._c, self._s = np.zeros(picture.shape[:2]), np.zeros(picture.shape[:2])
@@ -112,7 +112,7 @@ class BackgroundSums:
         self.frames += 1
 
     def result(self, frames_min: int) -> Background:
-        """The background, or BenchError where fewer than frames_min pictures came."""
+        """Return the background. Raises BenchError for fewer than frames_min pictures."""
         n = self.frames
         if n < max(frames_min, 2):
             raise BenchError(

@@ -16,7 +16,7 @@ from pjpdaf.detector.ellipses import ellipse_error, moments
 # Beyond this many components the hypotheses 1 .. N + 2 cost seconds and the scene is not three
 # targets: the components themselves are reported.
 COMPONENTS_MAX = 16
-SAMPLE_MIN_PX = 400  # k-means never sees fewer pixels than this, whatever `subsample` says
+SAMPLE_MIN_PX = 400  # k-means never gets fewer pixels than this, for any `subsample`
 KMEANS_SEED = 20090701  # fixed: the same picture gives the same bytes
 KMEANS_STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 30, 0.02)  # rounds, px
 KMEANS_ATTEMPTS = 3
@@ -42,7 +42,7 @@ class ClusterParameters:
 
 
 def cluster(seen: Segments, parameters: ClusterParameters) -> Ints:
-    """The best clustering of the skin pixels: a label (n,) in 0..k-1 for each point.
+    """Return the best clustering of the skin pixels: a label (n,) in 0..k-1 for each point.
 
     The hypothesis with the smallest Err (1 + k / p) wins (Eq. 3.2), the smaller k where two are
     equal.

@@ -31,8 +31,8 @@ class ComponentParameters:
     # Diameter of the opening and closing elements [px]; 0 = none. "Combination of operations".
     open_px: int = 3
     close_px: int = 5
-    # A component under min_area_px joins the nearest one if that is nearer than its own diameter
-    # (a sleeve, a cup or a shadow cut it off). Not in the thesis.
+    # A component under min_area_px joins its nearest neighbour if that is nearer than its own
+    # diameter (a sleeve, a cup or a shadow cut it off). Not in the thesis.
     merge_fragments: bool = True
 
     def __post_init__(self) -> None:
@@ -71,9 +71,9 @@ def clean(mask: np.ndarray, open_px: int, close_px: int) -> np.ndarray:
 def segments(mask: np.ndarray, min_area_px: float, merge_fragments: bool) -> Segments:
     """8-connected components of a uint8 mask (h, w) with at least min_area_px pixels.
 
-    merge_fragments: a component under min_area_px joins the nearest one that is not further away
-    than its own diameter (one only, so two large components never become one), and the area counts
-    after that.
+    merge_fragments: a component under min_area_px joins its nearest neighbour, and only that, if it
+    is not further away than its own diameter; so two large components are never joined. The area
+    counts after that.
     """
     size = (mask.shape[0], mask.shape[1])
     x0, y0, width, height = cv2.boundingRect(mask)

@@ -32,8 +32,8 @@ from pjpdaf.interfaces import Detections, Estimates
 class SkinDetector:
     """The thesis's detector: skin and foreground, components, k-means hypotheses, ellipses.
 
-    cameras: one a view; parameters: section 3.1's; backgrounds: one a view as learnt, or empty for
-    skin alone; keep_masks: put the accepted pixels into `Detections.mask`.
+    cameras: of the views; parameters: section 3.1's; backgrounds: of the views as learnt, or empty
+    for skin alone; keep_masks: put the accepted pixels into `Detections.mask`.
     """
 
     cameras: tuple[Camera, ...]
@@ -65,7 +65,7 @@ class SkinDetector:
         object.__setattr__(self, "_maps", maps)
 
     def learn(self, background: Iterable[StereoFrame]) -> SkinDetector:
-        """A detector that knows the person-free scene; frames are read one at a time.
+        """Return a detector that knows the person-free scene; frames are read one at a time.
 
         Raises BenchError where a view has fewer than background_learn_min pictures.
         """
@@ -80,9 +80,9 @@ class SkinDetector:
     def __call__(
         self, frame: StereoFrame, predicted: Estimates | None = None
     ) -> tuple[Detections, ...]:
-        """One `Detections` a view. `predicted` only gives the depth that scales min_area_px.
+        """Return the detections of each view. predicted: for the depth that scales min_area_px.
 
-        Raises BenchError for a picture of the wrong size or type; a missing one is `missing`.
+        Raises BenchError for a picture of the wrong size or type; a missing picture is `missing`.
         """
         return tuple(
             Detections.none(missing=True)
@@ -92,7 +92,7 @@ class SkinDetector:
         )
 
     def segment(self, view: int, picture: np.ndarray, min_area_px: float) -> Segments:
-        """Accepted skin pixels of a view's (undistorted, if so chosen) picture, by component."""
+        """Return accepted skin pixels of a view's picture as it is searched, by component."""
         p = self.parameters
         hsv = to_hsv(picture)
         mask = skin_mask(hsv, p.skin)

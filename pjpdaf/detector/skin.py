@@ -14,8 +14,8 @@ from pjpdaf.checks import BadParameter, check_not_negative
 from pjpdaf.errors import BenchError
 
 HUE_STEP_DEG = 360.0 / 256.0  # OpenCV's "full" HSV: hue 0..255 is one turn, s and v are 0..255
-LEARN_MIN_PX = 50  # fewer sample pixels say nothing about the tails of a distribution
-MARGIN_HUE_DEG = 4.0  # added to a learnt range: what a hand in other light differs from the sample
+LEARN_MIN_PX = 50  # fewer sample pixels do not show the tails of a distribution
+MARGIN_HUE_DEG = 4.0  # added to a learnt range, for a hand in other light than the sample
 MARGIN_SATURATION = 0.05
 
 
@@ -63,8 +63,8 @@ def skin_mask(hsv: np.ndarray, skin: SkinRange) -> np.ndarray:
     low_v = math.ceil(skin.value_min * 255 - 1e-9)
     mask: np.ndarray | None = None
     for low_h, high_h in _hue_intervals(skin):
-        part = cv2.inRange(hsv, (low_h, low_s, low_v), (high_h, high_s, 255))
-        mask = part if mask is None else cv2.bitwise_or(mask, part)
+        inside = cv2.inRange(hsv, (low_h, low_s, low_v), (high_h, high_s, 255))
+        mask = inside if mask is None else cv2.bitwise_or(mask, inside)
     return np.zeros(hsv.shape[:2], np.uint8) if mask is None else mask
 
 
@@ -100,7 +100,7 @@ def learn_skin_range(
 ) -> SkinRange:
     """Skin range from a sample picture, thesis 3.1.1 ("values determined empirically").
 
-    samples: uint8 BGR (h, w, 3), a picture cropped to skin, or a whole one with `mask` (h, w),
+    samples: uint8 BGR (h, w, 3), a picture cropped to skin, or a whole picture with `mask` (h, w),
     non-zero on skin. The range leaves `percentile` per cent out at either end, widened by a margin.
 
     Raises BenchError where fewer than 50 pixels are left.

@@ -45,7 +45,7 @@ def check(factory: Factory, probe: Probe) -> None:
     if not left.missing or len(left):
         probe.add(label, "must give Detections.none(missing=True) for that view")
     if right.missing:
-        probe.add(label, "the right one is there, but said to be missing")
+        probe.add(label, "the right picture is there, but reported as missing")
     _detect(probe, "call(empty scene)", detector, wall[0], None)
 
 

@@ -1,4 +1,4 @@
-"""Calls of somebody else's code with a time limit, and the list of its faults."""
+"""Calls of a user's code with a time limit, and the list of its faults."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ class NoSuchPlugIn(PlugInError):
 
 
 def describe_exception(fault: BaseException) -> str:
-    """An exception of somebody else's code in one line: type, text, file and line of that code."""
+    """Describe an exception of a user's code in one line: type, text, file and line number."""
     try:
         text = " ".join(str(fault).split())
     except Exception:  # of their own __str__
@@ -160,7 +160,7 @@ def _attribute(kind: str, group: str, name: str) -> object:
     except (ImportError, ValueError) as fault:
         gone = isinstance(fault, ModuleNotFoundError) and fault.name == module_name
         raise (NoSuchPlugIn if gone else PlugInError)(f"{cannot}: {fault}.") from fault
-    except (Exception, SystemExit) as fault:  # whatever their module does when it is imported
+    except (Exception, SystemExit) as fault:  # from code that runs when their module is imported
         raise PlugInError(f"{cannot}: {describe_exception(fault)}.") from fault
     if not hasattr(module, attribute):
         public = [w for w, value in vars(module).items() if callable(value) and w[0] != "_"]

@@ -65,7 +65,7 @@ def flat_names(record: type) -> tuple[str, ...]:
 
 
 def flat_values(record: DetectorParameters | TrackerParameters) -> dict[str, Any]:
-    """Flat name -> value, variants by their words."""
+    """Flat name -> value, variants by their words of the command line."""
     return {
         leaf.name: _word(leaf.name, functools.reduce(getattr, leaf.path, record))
         for leaf in leaves(type(record))

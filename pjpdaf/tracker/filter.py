@@ -89,7 +89,7 @@ class PJPDAF:
         return _estimates(state.mean, state.covariance, state.status)
 
     def predict(self, state: TrackState, dt_s: float) -> Estimates:
-        """Return what is expected dt_s after `state` (Eq. 3.35-3.36)."""
+        """Return the prediction dt_s after `state` (Eq. 3.35-3.36)."""
         return _estimates(*self._ahead(state, dt_s), state.status)
 
     def associate(

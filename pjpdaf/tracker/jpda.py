@@ -31,18 +31,18 @@ def clusters(gated: Bools) -> list[tuple[list[int], list[int]]]:
 
     Every target is in exactly one cluster; a cluster may hold no measurement.
     """
-    found: list[tuple[int, int]] = []  # bit sets: targets, measurements
+    groups: list[tuple[int, int]] = []  # bit sets: targets, measurements
     for t, column in enumerate(gated.T.tolist()):
         targets = 1 << t
         measurements = sum(1 << j for j, inside in enumerate(column) if inside)
         apart = []
-        for other in found:
+        for other in groups:
             if other[1] & measurements:
                 targets, measurements = targets | other[0], measurements | other[1]
             else:
                 apart.append(other)
-        found = [*apart, (targets, measurements)]
-    return [(_bits(targets), _bits(measurements)) for targets, measurements in sorted(found)]
+        groups = [*apart, (targets, measurements)]
+    return [(_bits(targets), _bits(measurements)) for targets, measurements in sorted(groups)]
 
 
 def _bits(number: int) -> list[int]:
@@ -78,7 +78,7 @@ def association_probabilities(
     if L.size and not (L.min() >= 0.0 and L.max() < math.inf):  # false for NaN
         raise ValueError("likelihood must be finite and at least 0 inside the gates")
     if T <= _SPLIT_ABOVE:
-        return _one_cluster(L, PD, clutter)
+        return _cluster_weights(L, PD, clutter)
     beta = np.zeros((len(L) + 1, T))
     for targets, measurements in clusters(mask):
         if len(targets) > LARGEST_CLUSTER:
@@ -86,12 +86,12 @@ def association_probabilities(
                 f"{len(targets)} targets share measurements, more than {LARGEST_CLUSTER}; "
                 "lower the gate"
             )
-        part = _one_cluster(L[np.ix_(measurements, targets)], PD[targets], clutter)
-        beta[np.ix_([0, *(j + 1 for j in measurements)], targets)] = part
+        inner = _cluster_weights(L[np.ix_(measurements, targets)], PD[targets], clutter)
+        beta[np.ix_([0, *(j + 1 for j in measurements)], targets)] = inner
     return beta
 
 
-def _one_cluster(L: Floats, PD: Floats, clutter: float) -> Floats:
+def _cluster_weights(L: Floats, PD: Floats, clutter: float) -> Floats:
     m, T = L.shape
     beta = np.zeros((m + 1, T))
     # A measurement outside every gate is clutter in all events: a common factor.
@@ -145,7 +145,7 @@ def _joins(T: int) -> Floats:
 def _by_matrices(L: Floats, C: Floats, PD: Floats) -> Floats:
     """Weights (m, T) of rows scaled to a largest factor of 1, for few targets.
 
-    The sum over events is a product of one matrix a measurement, from set to set.
+    The sum over events is a product of matrices, one per measurement, from set to set.
     """
     m, T = L.shape
     joins = _joins(T)

@@ -17,7 +17,7 @@ from pjpdaf.tracker.status import StatusParameters
 
 @dataclass(frozen=True)
 class TrackerParameters:
-    """Thesis 3.2-3.6 and Table 4.1, plus the readings of what the thesis leaves open.
+    """Thesis 3.2-3.6 and Table 4.1, plus a reading wherever the thesis leaves a choice.
 
     Raises BadParameter where two stages do not fit together.
     """

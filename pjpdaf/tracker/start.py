@@ -66,13 +66,13 @@ def start_covariance(parameters: StartParameters) -> Floats:
 def find_head_and_hands(
     cameras: tuple[Camera, ...], detections: tuple[Detections, ...], parameters: StartParameters
 ) -> Floats | None:
-    """Positions of head, right hand, left hand (3, 3) [m]; None where this frame does not do.
+    """Positions of head, right hand, left hand (3, 3) [m]; None where this frame does not suffice.
 
     The largest area at the top is the head; below it, the person's right hand is left in the
     picture. The views must agree: every target triangulates from the first two views (Eq. 3.45)
     within `start_residual_px` and `start_depth_m` in every view that has a blob there, and the
-    hands lie within `start_reach_m` of the head. Of several pairs of hands the one with the
-    largest area wins.
+    hands lie within `start_reach_m` of the head. Of several pairs of hands the pair
+    with the largest area wins.
     """
     if len(cameras) < 2 or len(detections) != len(cameras):
         return None
@@ -132,7 +132,7 @@ def _below(view: Detections, head: int | None) -> list[int]:
 def locate(
     cameras: tuple[Camera, ...], pixels: Floats, parameters: StartParameters
 ) -> Floats | None:
-    """One point from one pixel a view (N, 2) to the world, (3,) [m] (Eq. 3.45).
+    """A point of the world (3,) [m] from a pixel of each view (N, 2) (Eq. 3.45).
 
     None where the views do not agree: residual, depth (`start_residual_px`, `start_depth_m`).
     """

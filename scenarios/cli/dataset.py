@@ -70,9 +70,9 @@ def make(
         raise BenchError("--frame is for a recipe: give --recipe FILE")
     from scenarios.dataset.make import make_dataset
     from scenarios.dataset.sequence_plan import MakeRequest
-    from scenarios.play.recipe import Settings, labels_named, size_named
+    from scenarios.play.recipe import SequenceSettings, parse_labels, parse_size
 
-    chosen = labels_named(labels)
+    chosen = parse_labels(labels)
     make_dataset(
         MakeRequest(
             targets=tuple(targets or ("smoke",)),
@@ -80,7 +80,7 @@ def make(
             seeds=seeds,
             first_seed=first_seed,
             settings=tuple(settings or ()),
-            labels=Settings(chosen, None if size is None else size_named(size)),
+            labels=SequenceSettings(chosen, None if size is None else parse_size(size)),
             exports=parse_formats(export, chosen),
             ladder=ladder,
             jobs=jobs,

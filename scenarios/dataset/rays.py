@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pjpdaf.errors import BenchError, InfrastructureError
-from scenarios.play.recipe import performance_of
+from scenarios.play.recipe import performance_from_recipe
 from sim.dataset.check.fault import Fault
-from sim.dataset.raytruth import RayFigures, lines_of, ray_check, together
+from sim.dataset.raytruth import RayFigures, lines_of, pooled, ray_check
 from sim.dataset.reader import open_dataset
 from sim.dataset.stored_sequence import StoredSequence
 from sim.sequence import Simulation
@@ -51,7 +51,9 @@ def compare_with_rays(folder: Path, frames: int, faulty: Collection[str] = ()) -
             refused.append(f"{sequence.name}: has faults")
             continue
         try:
-            with Simulation(performance_of(sequence.recipe, sequence.folder)) as simulation:
+            with Simulation(
+                performance_from_recipe(sequence.recipe, sequence.folder)
+            ) as simulation:
                 figures_here = ray_check(simulation, sequence, chosen)
         except InfrastructureError:
             raise
@@ -63,7 +65,7 @@ def compare_with_rays(folder: Path, frames: int, faulty: Collection[str] = ()) -
             faults.append(
                 Fault(sequence.name, f"is not what its recipe makes: {lines_of(figures_here)[0]}")
             )
-    return RayComparison(together(figures) if figures else None, tuple(faults), tuple(refused))
+    return RayComparison(pooled(figures) if figures else None, tuple(faults), tuple(refused))
 
 
 def _frames_by_sequence(

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from pjpdaf.errors import BenchError
+from scenarios.play.job import digest_of
 from scenarios.play.ladder import rungs_of
 from scenarios.play.plan import PlanRequest, plan
-from scenarios.play.play import digest_of
-from scenarios.play.recipe import Recipe, Settings
+from scenarios.play.recipe import Recipe, SequenceSettings
 from scenarios.spec.draw import setting_of
 from scenarios.spec.names import scenario_names, suite_names
 from sim.dataset.files.layout import (
@@ -27,7 +27,7 @@ class MakeRequest:
     seeds: int | None = None
     first_seed: int = 0
     settings: tuple[str, ...] = ()
-    labels: Settings = field(default_factory=Settings)
+    labels: SequenceSettings = field(default_factory=SequenceSettings)
     exports: tuple[str, ...] = ()
     ladder: bool = False
     jobs: int | None = None

@@ -11,7 +11,8 @@ from reports.run.films import films_to_keep
 from reports.run.rows import EpisodeRows, rows_of
 from reports.score.records import EpisodeFailure, FailureKind
 from scenarios.execute.executor import Executor
-from scenarios.play.play import Job, digest_of, play
+from scenarios.play.job import Job, digest_of
+from scenarios.play.play import play_complete
 from sim.contact.contact import Unposable
 from sim.processes import Answer, Lost
 
@@ -19,7 +20,7 @@ EPISODE_TIME_LIMIT_S = 900.0
 
 
 @dataclass(frozen=True)
-class Played:
+class PlayResults:
     """The results of a list of jobs, in their order; of an interrupted run the finished ones.
 
     renderer: its description, "" where nothing was rendered.
@@ -33,7 +34,7 @@ class Played:
 def _play_safely(job: Job) -> EpisodeRows | BenchError:
     """`play`, with what a user can put right returned, and any other fault as a failed episode."""
     try:
-        return rows_of(play(job))
+        return rows_of(play_complete(job))
     except Unposable as fault:
         return _failure(job, "unposable", f"cannot be posed: {fault}")
     except BenchError as fault:
@@ -50,7 +51,7 @@ def play_all(
     executor: Executor,
     on_done: Callable[[EpisodeRows], None] = lambda row: None,
     time_limit_s: float = EPISODE_TIME_LIMIT_S,
-) -> Played:
+) -> PlayResults:
     """Play all jobs on an executor.
 
     A worker that dies is replaced and its episode played again, three times at most; an episode
@@ -75,7 +76,7 @@ def play_all(
             on_done(results[index])
     except KeyboardInterrupt:
         interrupted = True
-    return Played(tuple(results[i] for i in sorted(results)), interrupted, renderer)
+    return PlayResults(tuple(results[i] for i in sorted(results)), interrupted, renderer)
 
 
 def _rows_of_outcome(

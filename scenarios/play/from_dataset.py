@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pjpdaf.errors import BenchError
 from pjpdaf.plugins.registry import make_detector, make_tracker
-from scenarios.play.play import Job, System
+from scenarios.play.job import Job, System
 from scenarios.play.recipe import read_recipe
 from scenarios.spec.suggestion import did_you_mean
 from sim.dataset.reader import Dataset, open_dataset
@@ -23,7 +23,7 @@ def open_with_sequences(folder: Path) -> Dataset:
     return dataset
 
 
-def job_of(sequence: StoredSequence) -> Job:
+def job_of_sequence(sequence: StoredSequence) -> Job:
     """The episode that a sequence is of, to be read instead of rendered.
 
     Raises BenchError where its recipe is of another version, or another than the manifest's.
@@ -39,7 +39,7 @@ def job_of(sequence: StoredSequence) -> Job:
     return replace(job, kept=sequence.folder.absolute(), size_px=recipe.settings.size_px)
 
 
-def jobs_of(
+def jobs_of_dataset(
     dataset: Dataset, system: System, only: Collection[str] = (), *, pictures: bool, films: bool
 ) -> list[Job]:
     """The episodes of a data set in its order; only: of these names in the results.
@@ -48,7 +48,7 @@ def jobs_of(
     for a recipe that cannot be read, a name or detector or tracker that does not exist.
     """
     # Of a copy: what a sequence has read would stay with it, and there may be thousands.
-    found = [job_of(replace(one)) for one in dataset.sequences]
+    found = [job_of_sequence(replace(one)) for one in dataset.sequences]
     jobs = [replace(job, system=system, keep_film=films) for job in found]
     names = list(dict.fromkeys(job.name for job in jobs))
     for name in only:

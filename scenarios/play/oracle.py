@@ -108,7 +108,7 @@ class AidedTracker:
             after = AidedState(self.tracker.start(detections), frame)
             return after, self.estimates(after)
         if self.oracle.process:
-            state = on_truth(state, self.truths[frame - 1])
+            state = state_on_truth(state, self.truths[frame - 1])
         if self.oracle.association:
             assigned = true_assignment(self.truths[frame], detections, self.cameras)
             state, estimates = self.tracker.step_assigned(state, assigned, dt_s)
@@ -176,7 +176,7 @@ def true_assignment(truth: Truth, seen: Sequence[Detections], cameras: Sequence[
     return assigned
 
 
-def on_truth(state: TrackState, truth: Truth) -> TrackState:
+def state_on_truth(state: TrackState, truth: Truth) -> TrackState:
     """The state with the truth's position and velocity as its mean; the covariance stays."""
     mean = np.concatenate([truth.centres_m, truth.velocities_mps], axis=1)
     return replace(state, mean=mean)

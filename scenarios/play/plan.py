@@ -9,8 +9,8 @@ from pathlib import Path
 
 from pjpdaf.errors import BenchError
 from pjpdaf.plugins.registry import make_detector, make_tracker
-from scenarios.play.from_dataset import jobs_of, open_with_sequences
-from scenarios.play.play import Job, System
+from scenarios.play.from_dataset import jobs_of_dataset, open_with_sequences
+from scenarios.play.job import Job, System
 from scenarios.play.settings import Settings, read_settings
 from scenarios.play.targets import PlannedScenario, expand_target
 from scenarios.spec.cameras import rig_of
@@ -116,7 +116,7 @@ def _plan_of_dataset(
             f"{refused[0]} does not go with --from: a data set's sequences are as they were made; "
             "--only NAME chooses among them"
         )
-    return jobs_of(
+    return jobs_of_dataset(
         open_with_sequences(folder),
         system,
         request.only,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from scenarios.play.play import Job, System
+from scenarios.play.job import Job, System
 from scenarios.spec.draw import SETTINGS
 from scenarios.spec.names import resolve, scenarios_of
 from scenarios.spec.scenario import Scenario

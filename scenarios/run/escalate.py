@@ -19,11 +19,11 @@ from reports.gate.verdict import Verdict
 from reports.run.load import SavedRun
 from reports.run.rows import EpisodeRows
 from reports.run.tables import tables_of
-from scenarios.execute.episodes import Played, play_all
+from scenarios.execute.episodes import PlayResults, play_all
 from scenarios.execute.executor import Executor
 from scenarios.execute.isolated import allow_plug_ins_from_here
+from scenarios.play.job import Job, digest_of
 from scenarios.play.plan import PlanRequest, plan
-from scenarios.play.play import Job, digest_of
 from scenarios.run.save_run import save_run
 
 FIRST_RESERVE_SEED = 1_000_000
@@ -57,9 +57,9 @@ def escalate(
     """
     reason = refusal(base, new, here)
     if reason:
-        raise CannotEscalate(by_hand(new, reason))
-    plans = planned(base), planned(new)
-    _prove((base, new), plans, executor)
+        raise CannotEscalate(manual_command(new, reason))
+    plans = planned_jobs(base), planned_jobs(new)
+    _check_reproducible((base, new), plans, executor)
     verdict = compare(base, new, margins, looks=LOOKS)
     for number in range(len(ROUNDS)):
         if verdict.verdict != "inconclusive":
@@ -93,7 +93,7 @@ def _short(made: Mapping[str, Any]) -> str:
     return str(made["commit"] or "unknown")[:12]
 
 
-def by_hand(new: SavedRun, reason: str) -> str:
+def manual_command(new: SavedRun, reason: str) -> str:
     """The one line for runs that cannot be continued here."""
     request = new.meta.get("request")
     seeds = sum(ROUNDS) * max(len(one["seeds"]) for one in new.meta["scenarios"])
@@ -119,14 +119,14 @@ def request_of(run: SavedRun) -> PlanRequest:
     )
 
 
-def planned(run: SavedRun) -> list[Job]:
+def planned_jobs(run: SavedRun) -> list[Job]:
     """The jobs of a run once more. Raises CannotEscalate where they are not those of the run."""
     request = request_of(run)
     allow_plug_ins_from_here(request.detector, request.tracker)
     try:
         jobs = plan(request)
     except BenchError as fault:
-        raise CannotEscalate(by_hand(run, str(fault))) from fault
+        raise CannotEscalate(manual_command(run, str(fault))) from fault
     now = {(job.name, job.seed): digest_of(job) for job in jobs}
     then = {
         (one["name"], seed): digest
@@ -134,11 +134,13 @@ def planned(run: SavedRun) -> list[Job]:
         for seed, digest in zip(one["seeds"], one["digests"], strict=True)
     }
     if now != then:
-        raise CannotEscalate(by_hand(run, f"the scenarios of {run.folder} have changed"))
+        raise CannotEscalate(manual_command(run, f"the scenarios of {run.folder} have changed"))
     return jobs
 
 
-def _prove(runs: Sequence[SavedRun], plans: Sequence[Sequence[Job]], executor: Executor) -> None:
+def _check_reproducible(
+    runs: Sequence[SavedRun], plans: Sequence[Sequence[Job]], executor: Executor
+) -> None:
     """Play a few episodes of each run again: the same code gives the same, bit for bit.
 
     Plug-ins have no version of ours; this is what notices that one has changed.
@@ -151,7 +153,7 @@ def _prove(runs: Sequence[SavedRun], plans: Sequence[Sequence[Job]], executor: E
         for job, row in zip(jobs, mine, strict=True):
             if not same_episode(run, row):
                 what = f"{job.name} seed {job.seed} of {run.folder} comes out differently now"
-                raise CannotEscalate(by_hand(run, what))
+                raise CannotEscalate(manual_command(run, what))
 
 
 def same_episode(run: SavedRun, row: EpisodeRows) -> bool:
@@ -189,7 +191,9 @@ def play_round(
     grown = []
     for name, run, mine in zip(("base", "new"), runs, jobs, strict=True):
         part, rows = rows[: len(mine)], rows[len(mine) :]
-        played = Played(tuple(part), interrupted=False, renderer=run.meta["provenance"]["renderer"])
+        played = PlayResults(
+            tuple(part), interrupted=False, renderer=run.meta["provenance"]["renderer"]
+        )
         out = folder / f"{name}-{number + 1}"
         saved = save_run(
             request_of(run),
@@ -204,7 +208,7 @@ def play_round(
     return grown[0], grown[1]
 
 
-def _finished(played: Played) -> list[EpisodeRows]:
+def _finished(played: PlayResults) -> list[EpisodeRows]:
     if played.interrupted:
         raise KeyboardInterrupt
     return list(played.rows)

@@ -18,13 +18,13 @@ from reports.summary.text import count
 from scenarios.console.folder import default_folder
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
 from scenarios.console.progress import progress_bar
-from scenarios.execute.episodes import EPISODE_TIME_LIMIT_S, Played, play_all
+from scenarios.execute.episodes import EPISODE_TIME_LIMIT_S, PlayResults, play_all
 from scenarios.execute.executor import Executor
 from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
 from scenarios.execute.local import local_executor, worker_count
 from scenarios.play.from_dataset import open_with_sequences, renderer_of
+from scenarios.play.job import Job
 from scenarios.play.plan import PlanRequest, plan
-from scenarios.play.play import Job
 from scenarios.run.save_run import save_run
 
 MAX_TIME_LIMIT_S = 86_400.0
@@ -112,7 +112,7 @@ def _play_and_save(
     refuse_failures(played)
 
 
-def refuse_failures(played: Played) -> None:
+def refuse_failures(played: PlayResults) -> None:
     """Raise InfrastructureError where an episode gave no result; it names the first."""
     failed = [row for row in played.rows if row.failure]
     if failed:
@@ -125,7 +125,7 @@ def refuse_failures(played: Played) -> None:
 
 def _play_with_progress(
     jobs: Sequence[Job], executor: Executor, time_limit_s: float, arrived: Interrupts
-) -> Played:
+) -> PlayResults:
     with progress_bar(Console(stderr=True)) as progress:
         task = progress.add_task("starting", total=len(jobs))
 

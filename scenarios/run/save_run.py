@@ -12,11 +12,11 @@ from pjpdaf.presets.override import override
 from pjpdaf.presets.registry import PRESETS, find_preset
 from reports.run.load import SavedRun, load
 from reports.run.save import RunInfo, save, save_slim
-from scenarios.execute.episodes import Played
+from scenarios.execute.episodes import PlayResults
+from scenarios.play.job import Job
 from scenarios.play.plan import PlanRequest
-from scenarios.play.play import Job
 from scenarios.play.settings import read_settings
-from scenarios.play.suite_lock import stamp
+from scenarios.play.suite_lock import suite_record
 from scenarios.spec.names import resolve
 from scenarios.spec.suite import Suite
 
@@ -24,7 +24,7 @@ from scenarios.spec.suite import Suite
 def save_run(
     request: PlanRequest,
     jobs: Sequence[Job],
-    played: Played,
+    played: PlayResults,
     folder: Path,
     *,
     preset: str = "thesis",
@@ -57,7 +57,7 @@ def save_run(
             "only": list(request.only),
             "settings": list(request.settings),
         },
-        suites=suite_stamps(request.targets),
+        suites=suite_records(request.targets),
         entries={job.name: scenario_record(job) for job in jobs},
     )
     if not slim:
@@ -81,9 +81,9 @@ def parameters_in_force(request: PlanRequest) -> dict[str, object]:
     return parameters
 
 
-def suite_stamps(targets: Sequence[str]) -> list[dict[str, object]]:
+def suite_records(targets: Sequence[str]) -> list[dict[str, object]]:
     """Name, version and digest of each suite among the targets."""
-    stamps = [stamp(suite) for t in targets if isinstance(suite := resolve(t), Suite)]
+    stamps = [suite_record(suite) for t in targets if isinstance(suite := resolve(t), Suite)]
     return [{key: whole[key] for key in ("name", "version", "digest")} for whole in stamps]
 
 

@@ -20,13 +20,19 @@ from reports.pictures.overlay import overlay_jpeg
 from reports.run.load import load
 from reports.run.rows import EpisodeRows, rows_of
 from reports.run.save import RunInfo, check_free, save
-from reports.score.records import Episode, FrameOutcome, Picture
+from reports.score.records import Episode, FrameOutcome, OverlayPicture
 from reports.summary.tables import rich_table, summarise
 from reports.summary.text import count
 from scenarios.console.folder import default_folder
 from scenarios.console.progress import progress_bar
-from scenarios.play.from_dataset import check_once, job_of, open_with_sequences, renderer_of
-from scenarios.play.play import Gallery, digest_of
+from scenarios.play.from_dataset import (
+    check_once,
+    job_of_sequence,
+    open_with_sequences,
+    renderer_of,
+)
+from scenarios.play.job import digest_of
+from scenarios.play.pictures import PictureChooser
 from scenarios.run.save_run import scenario_record
 from scenarios.spec.draw import concrete
 from scenarios.tracks.files import LOST, Tracks, read_tracks
@@ -108,7 +114,7 @@ def facts_of(sequence: StoredSequence) -> Facts:
     Raises BenchError where the manifest's entry is incomplete.
     """
     try:
-        job = job_of(sequence)
+        job = job_of_sequence(sequence)
     except BenchError as fault:
         # Scores need no scenario: an older data set keeps its worth.
         return replace(_of_manifest(sequence), note=f"{fault} Its drawn values are left out.")
@@ -190,14 +196,14 @@ def episode_of(
 
     Without a tracker nothing can be played again: no stage is blamed, no error budget.
     """
-    gallery = Gallery(sequence.frame_count) if pictures else None
+    chooser = PictureChooser(sequence.frame_count) if pictures else None
     nothing_seen = (Detections.none(),) * len(sequence.rig.cameras)
     kept = []
     for truth, said in zip(sequence.truths, estimates, strict=True):
-        if gallery is not None and gallery.wants(truth):
+        if chooser is not None and chooser.chooses(truth):
             shown = sequence.frame(truth.index)
             jpeg = overlay_jpeg(shown, sequence.rig.cameras, nothing_seen, said, truth)
-            kept.append(Picture(truth.index, jpeg))
+            kept.append(OverlayPicture(truth.index, jpeg))
     return Episode(
         scenario=facts.label,
         group=facts.group,

@@ -9,43 +9,28 @@ the depth, the exports with the sequences.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from pjpdaf.errors import FileError, InfrastructureError
+from pjpdaf.errors import InfrastructureError
+from sim.dataset.check.contents import DatasetContents, read_contents
 from sim.dataset.check.exports.coco import FOLDER as COCO
 from sim.dataset.check.exports.coco import check_coco
 from sim.dataset.check.exports.mot import FOLDER as MOT
 from sim.dataset.check.exports.mot import check_mot
 from sim.dataset.check.exports.numbers import SequenceNumbers
-from sim.dataset.check.fault import MISSING, Fault, FaultLog, fault_of
+from sim.dataset.check.fault import Fault, FaultLog
 from sim.dataset.check.files import (
     Checksums,
     FileTree,
     check_digests,
     check_listing,
     read_checksums,
-    tree_of,
 )
 from sim.dataset.check.sequence import SequenceVerdict, check_sequence
-from sim.dataset.files.conventions import conventions
-from sim.dataset.files.layout import (
-    CONVENTIONS,
-    KIND,
-    LABELS,
-    MANIFEST,
-    SCHEMA_VERSION,
-    is_sequence_name,
-)
-from sim.dataset.files.reading import read_json
 from sim.dataset.stored_sequence import StoredSequence
 from sim.processes import Answer, Lost, WorkerPool
 
-# Numbers of conventions.json without which a label cannot be read.
-_SCALES = (("depth", "unit_m"), ("disparity", "scale"), ("correspondence", "scale"))
-
-SEQUENCE_LIMIT_S = 24 * 3600.0
+SEQUENCE_LIMIT_S = 24 * 3600.0  # for the check of a sequence in a worker
 
 
 def verify(
@@ -58,14 +43,14 @@ def verify(
     """All faults of a data set, sorted by file; none where it is whole and consistent.
 
     sums: read all files to compare their SHA-256 as well; on_sequence is called with the name of
-    each checked sequence; jobs: worker processes. Raises BenchError where the folder is not a data
-    set or one of a newer version, InfrastructureError where the worker of a
-    sequence dies three times.
+    each checked sequence; jobs: worker processes. Raises FileError where the folder is not a data
+    set or one of another version, InfrastructureError where the worker of a sequence dies three
+    times.
     """
     root = Path(dataset_folder)
-    contents = _contents(root)
-    tree, names, log = contents.tree, contents.names, FaultLog(root)
-    log.add("manifest", contents.faults)
+    log = FaultLog(root)
+    contents = read_contents(root, log)
+    tree, names = contents.tree, contents.names
     listed = read_checksums(tree, names, log)
     log.add("files", check_listing(tree, listed, names))
     if sums:
@@ -80,22 +65,8 @@ def verify(
     return sorted(set(log.all()))
 
 
-@dataclass(frozen=True)
-class _Contents:
-    """The files of a data set and its sequences. entries: of the manifest, labels: by sequence."""
-
-    tree: FileTree
-    entries: Mapping[str, Mapping[str, Any]]
-    labels: Mapping[str, tuple[str, ...]]
-    faults: tuple[Fault, ...]
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        return tuple(self.entries)
-
-
 def _verdicts(
-    contents: _Contents, checksums: Checksums, hash_files: bool, jobs: int
+    contents: DatasetContents, checksums: Checksums, hash_files: bool, jobs: int
 ) -> Iterator[tuple[str, SequenceVerdict]]:
     """The sequences with their verdicts, in order, from worker processes where jobs is above 1."""
     plain: dict[str, set[str]] = {name: set() for name in contents.names}
@@ -154,93 +125,6 @@ def _check(
     work: tuple[StoredSequence, FileTree, Checksums, tuple[str, ...], bool],
 ) -> SequenceVerdict:
     return check_sequence(*work)
-
-
-def _contents(root: Path) -> _Contents:
-    """Read the manifest, as far as it is whole, and find the sequences' folders."""
-    if not root.is_dir():
-        raise FileError(root, "is not a data set: not a folder")
-    tree = tree_of(root)
-    there = sorted(
-        {name for path in tree.plain if is_sequence_name(name := path.partition("/")[0])}
-    )
-    faults: list[Fault] = []
-    manifest: Mapping[str, Any] = {}
-    if MANIFEST in tree.plain:
-        try:
-            manifest = read_json(root / MANIFEST)
-        except FileError as error:
-            faults.append(fault_of(error, root))
-    elif there:
-        faults.append(Fault(MANIFEST, MISSING))
-    if not there and manifest.get("kind") != KIND:
-        raise FileError(root, f"is not a data set: has no {MANIFEST} and no sequences")
-    if manifest:
-        if manifest.get("kind") == KIND and manifest.get("schema") != SCHEMA_VERSION:
-            version = manifest.get("schema")
-            raise FileError(
-                root / MANIFEST, f"is of version {version!r}, this is version {SCHEMA_VERSION}"
-            )
-        faults += _manifest_faults(manifest)
-    entries = _entries(manifest)
-    if manifest:
-        faults += [Fault(n, f"is not in {MANIFEST}") for n in there if n not in entries]
-        faults += [Fault(n, MISSING) for n in entries if n not in there]
-    faults += _convention_faults(tree)
-    settings = manifest.get("settings")
-    named = settings.get("labels") if isinstance(settings, dict) else None
-    labels = {}
-    for name in there:
-        with_files = (x for x in LABELS if any(tree.names(f"{name}/{sub}") for sub in LABELS[x]))
-        labels[name] = tuple(
-            [label for label in LABELS if label in named] if isinstance(named, list) else with_files
-        )
-    return _Contents(tree, {name: entries.get(name, {}) for name in there}, labels, tuple(faults))
-
-
-def _entries(manifest: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
-    """The manifest's entries by folder, those with a proper name."""
-    listed = manifest.get("sequences")
-    entries: dict[str, Mapping[str, Any]] = {}
-    for entry in listed if isinstance(listed, list) else []:
-        name = entry.get("folder") if isinstance(entry, dict) else None
-        if isinstance(name, str) and is_sequence_name(name):
-            entries.setdefault(name, entry)
-    return entries
-
-
-def _manifest_faults(manifest: Mapping[str, Any]) -> Iterator[Fault]:
-    if manifest.get("kind") != KIND:
-        yield Fault(MANIFEST, "is not the manifest of a data set")
-    if manifest.get("complete") is not True:
-        yield Fault(MANIFEST, "complete is not true: the data set was not made to its end")
-    settings = manifest.get("settings")
-    labels = settings.get("labels") if isinstance(settings, dict) else None
-    if not isinstance(labels, list) or any(label not in LABELS for label in labels):
-        yield Fault(MANIFEST, f"settings.labels is not a list of {', '.join(LABELS)}")
-    listed, entries = manifest.get("sequences"), _entries(manifest)
-    if not isinstance(listed, list) or len(entries) != len(listed):
-        yield Fault(MANIFEST, "sequences is not a list of folders seq_NNNNNN, each once")
-    frames = [entry.get("frames") for entry in entries.values()]
-    whole = sum(n for n in frames if type(n) is int)
-    if None in frames or whole != manifest.get("total_frames"):
-        yield Fault(MANIFEST, "total_frames is not the sum of the sequences' frames")
-
-
-def _convention_faults(tree: FileTree) -> Iterator[Fault]:
-    """Check conventions.json: another version may explain more, but its scales may not differ."""
-    if CONVENTIONS not in tree.plain:
-        return
-    try:
-        stored = read_json(tree.root / CONVENTIONS)
-    except FileError as error:
-        yield fault_of(error, tree.root)
-        return
-    known = conventions()
-    for part, key in _SCALES:
-        value = stored.get(part)
-        if not isinstance(value, dict) or value.get(key) != known[part][key]:
-            yield Fault(CONVENTIONS, f"{part}.{key} is not {known[part][key]}")
 
 
 def check_exports(

@@ -1,4 +1,4 @@
-"""The views apart, their information added up."""
+"""Update by each view apart, their information added up."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ class SumOfViews:
 @final
 @dataclass(frozen=True)
 class ProductOfViews:
-    """The product: not detected in any view, the words around Eq. 3.42."""
+    """The product: not detected in any view, as the text around Eq. 3.42 has it."""
 
     def __call__(self, beta_0: Floats, present: Bools, used: Bools) -> Floats:
         """Return the product over the views that take part."""

@@ -1,4 +1,4 @@
-"""The likeliest measurement of each view."""
+"""Update by the likeliest measurement of each view."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The views one after another."""
+"""Update by the views one after another."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Sequential:
             H, mass = all_H[:, n], masses[:, n, None]
             innovation = seen.innovation[:, n] * used[:, n, None]
             theta = seen.theta[:, n] * used[:, n, None, None]
-            if n:  # from the prediction to what the views before made of it
+            if n:  # innovation from the prediction -> from the state after the earlier views
                 shift = (H @ (mean - prior.mean)[..., None])[..., 0]
                 cross = shift[:, :, None] * innovation[:, None, :]
                 again = (mass * shift)[:, :, None] * shift[:, None, :]

@@ -20,8 +20,8 @@ from pjpdaf.tracker.state import Prior
 class StackedWeighted:
     """One Kalman update in which view n has the noise (R + spread) / (1 - beta_0n).
 
-    The mean of a view's measurements given that one of them is right is z / (1 - beta_0n); how
-    far they lie apart, Theta / (1 - beta_0n) minus its square, is part of its noise.
+    The mean of a view's measurements, given that the target's is among them, is z / (1 - beta_0n);
+    their spread, Theta / (1 - beta_0n) minus its square, is part of its noise.
     """
 
     def __call__(

@@ -10,12 +10,12 @@ from pjpdaf.errors import BenchError, InfrastructureError
 from scenarios.dataset.sequence_plan import sequence_entry
 from scenarios.dataset.sequence_task import write_recipe
 from scenarios.dataset.show import ShowDatasetRequest, show_dataset
-from scenarios.play.play import Job, System
-from scenarios.play.recipe import Recipe, Settings
+from scenarios.play.job import Job, System
+from scenarios.play.recipe import Recipe, SequenceSettings
 from scenarios.spec.names import load_scenario
 from sim.dataset.files.manifest import manifest_record, write_manifest
 
-SETTINGS = Settings(("depth", "seg"), (96, 72))
+SETTINGS = SequenceSettings(("depth", "seg"), (96, 72))
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +72,7 @@ def test_one_sequence_alone_has_more_frames_on_the_sheet(made, tmp_path):
     assert heights[1] > 2.5 * heights[0]  # twelve frames, two a row; before two rows
     page = (tmp_path / "one" / "page.html").read_text()
     assert "<title>set, seq_000002</title>" in page
-    assert page.count('id="clip-') == 1
+    assert page.count('id="sequence-') == 1
     assert "<dd>14</dd>" in page
 
 

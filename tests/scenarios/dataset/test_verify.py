@@ -8,8 +8,8 @@ import pytest
 from pjpdaf.errors import BenchError
 from scenarios.dataset.rays import compare_with_rays
 from scenarios.dataset.verify import VerifyRequest, verify_dataset
-from scenarios.play.play import Job, System
-from scenarios.play.recipe import Recipe, Settings
+from scenarios.play.job import Job, System
+from scenarios.play.recipe import Recipe, SequenceSettings
 from scenarios.spec.names import load_scenario
 from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
 from sim.dataset.writer import write_sequence
@@ -24,7 +24,7 @@ def made(tmp_path_factory):
     (folder / SEQ).mkdir(parents=True)
     scenario = load_scenario("cross")
     job = Job(scenario, 161, {"frames": 5, "fps": 1, "background_frames": 1}, System())
-    recipe = Recipe(job, Settings(("seg", "depth"), (320, 240)))
+    recipe = Recipe(job, SequenceSettings(("seg", "depth"), (320, 240)))
     performance = recipe.performance()
     record = recipe.record(performance.redrawn)
     with Simulation(performance) as simulation:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from scenarios.execute.episodes import _play_safely
-from scenarios.play.play import Job, System
+from scenarios.play.job import Job, System
 from scenarios.spec.names import load_scenario
 
 PARENT = """

@@ -18,9 +18,10 @@ from reports.run.load import load
 from reports.run.rows import rows_of
 from reports.run.save import RunInfo, save
 from reports.run.tables import tables_of
+from scenarios.play.job import Job, System, digest_of
 from scenarios.play.plan import PlanRequest, plan
-from scenarios.play.play import Job, System, digest_of, play
-from scenarios.play.recipe import Recipe, Settings
+from scenarios.play.play import play_complete
+from scenarios.play.recipe import Recipe, SequenceSettings
 from scenarios.run.save_run import scenario_record
 from scenarios.spec.names import load_scenario
 from sim.dataset.files.layout import sequence_name
@@ -48,7 +49,7 @@ def make(folder, jobs, size_px=None):
     folder.mkdir()
     entries = []
     for index, one in enumerate(jobs):
-        recipe = Recipe(one, Settings((), size_px))
+        recipe = Recipe(one, SequenceSettings((), size_px))
         target = folder / sequence_name(index)
         target.mkdir()
         with Simulation(recipe.performance()) as simulation:
@@ -89,12 +90,12 @@ def request(dataset, **changes):
 
 @pytest.fixture(scope="module")
 def live():
-    return [rows_of(play(replace(one, keep_pictures=True))) for one in JOBS]
+    return [rows_of(play_complete(replace(one, keep_pictures=True))) for one in JOBS]
 
 
 @pytest.fixture(scope="module")
 def kept(made):
-    return [rows_of(play(one)) for one in plan(request(made))]
+    return [rows_of(play_complete(one)) for one in plan(request(made))]
 
 
 def test_every_table_is_that_of_the_live_run(live, kept):
@@ -164,7 +165,7 @@ def test_only_and_slim_and_films(made):
 
 def test_another_tracker_gives_another_result_on_the_same_pictures(made, kept):
     changed = plan(request(made, settings=("tracker.gate=0.5",), only=("cross",)))
-    (row,) = [rows_of(play(one)) for one in changed]
+    (row,) = [rows_of(play_complete(one)) for one in changed]
     assert row.digest == kept[0].digest
     assert row.truth == kept[0].truth
     assert row.frames["error_mm"] != kept[0].frames["error_mm"]
@@ -227,7 +228,7 @@ def test_a_damaged_picture_is_named(copied):
     path = path if path.exists() else copied / "seq_000001/left/000003.png"
     path.write_bytes(path.read_bytes()[:-40])
     with pytest.raises(BenchError, match=rf"{path.name}: is a damaged PNG"):
-        play(plan(request(copied))[1])
+        play_complete(plan(request(copied))[1])
 
 
 def test_pictures_of_another_size_are_another_episode(tmp_path):
@@ -235,7 +236,7 @@ def test_pictures_of_another_size_are_another_episode(tmp_path):
     (one,) = plan(request(small))
     assert one.size_px == (160, 120)
     assert digest_of(one) != digest_of(job("cross", 101, frames=2))
-    episode = play(one)
+    episode = play_complete(one)
     assert episode.digest == digest_of(one)
     assert (episode.cameras[0].width_px, episode.cameras[0].height_px) == (160, 120)
 
@@ -245,6 +246,6 @@ def test_the_pictures_are_really_read(copied):
     for path in (copied / "seq_000000/left").iterdir():
         picture = cv2.imread(str(path))
         cv2.imwrite(str(path), picture * 0)
-    before = rows_of(play(plan(request(copied))[0]))
+    before = rows_of(play_complete(plan(request(copied))[0]))
     assert all(seen == "right" for seen in before.detections["view"])
     assert sim.dataset.open(copied).sequences[0].frame_count == 8

@@ -11,7 +11,8 @@ from reports.gate.pairing import NotComparable
 from reports.run.load import load
 from reports.run.rows import rows_of
 from reports.run.save import RunInfo, save, save_slim
-from scenarios.play.play import Job, System, play
+from scenarios.play.job import Job, System
+from scenarios.play.play import play_complete
 from scenarios.play.targets import expand_target
 from scenarios.run.compare import FILES, CompareRequest, compare_runs, sentence, verdict_table
 from scenarios.run.margins import load_margins, read_margins
@@ -32,7 +33,7 @@ def runs(tmp_path_factory):
         for system in SYSTEMS.values()
         for seed in range(100, 103)
     ]
-    rows = [rows_of(play(job)) for job in jobs]
+    rows = [rows_of(play_complete(job)) for job in jobs]
     for k, name in enumerate(SYSTEMS):
         save(folder / name, rows[3 * k : 3 * k + 3], RunInfo(name))
         save_slim(load(folder / name), folder / f"{name}-slim")
@@ -110,7 +111,7 @@ def test_a_run_against_itself_says_so(runs, tmp_path, capsys):
 
 def test_unlike_runs_are_exit_code_4_and_write_nothing(runs, tmp_path):
     (part,) = expand_target("cross")
-    rows = [rows_of(play(Job(part.scenario, 100, {"frames": 7}, System())))]
+    rows = [rows_of(play_complete(Job(part.scenario, 100, {"frames": 7}, System())))]
     save(tmp_path / "short", rows, RunInfo("short"))
     with pytest.raises(NotComparable, match="lacks 2 of 3 episodes") as caught:
         compare_runs(request(runs, "base", tmp_path / "short", out=tmp_path / "o"))

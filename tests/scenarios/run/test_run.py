@@ -14,7 +14,7 @@ from pjpdaf.errors import BenchError
 from reports.run.load import load
 from scenarios.execute.episodes import play_all
 from scenarios.execute.local import local_executor
-from scenarios.play.play import Job, System
+from scenarios.play.job import Job, System
 from scenarios.spec.names import load_scenario
 
 TABLES = ("frames.parquet", "episodes.parquet", "events.parquet")

@@ -5,7 +5,8 @@ import pytest
 
 from pjpdaf.errors import BenchError
 from reports.score.records import Episode
-from scenarios.play.play import Job, System, play
+from scenarios.play.job import Job, System
+from scenarios.play.play import play
 from scenarios.spec.cameras import PARAMETERS
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario

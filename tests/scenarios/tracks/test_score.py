@@ -23,7 +23,7 @@ from reports.run.rows import rows_of
 from reports.run.save import RunInfo, save
 from reports.run.tables import tables_of
 from scenarios.play.plan import plan
-from scenarios.play.play import play
+from scenarios.play.play import play_complete
 from scenarios.run.save_run import scenario_record
 from scenarios.tracks.files import read_tracks
 from scenarios.tracks.score import ScoreRequest, score_tracks
@@ -40,7 +40,7 @@ def made(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def episodes(made):
-    return [play(one) for one in plan(request(made))]
+    return [play_complete(one) for one in plan(request(made))]
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from scenarios.play.recipe import sized
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
 from sim.dataset.files import encode
-from sim.dataset.raytruth import MOST_MEDIAN_M, MOST_WRONG, lines_of, ray_check, together
+from sim.dataset.raytruth import MOST_MEDIAN_M, MOST_WRONG, lines_of, pooled, ray_check
 from sim.dataset.reader import open_dataset
 from sim.dataset.stored_sequence import StoredSequence
 from sim.dataset.writer import write_sequence
@@ -97,11 +97,11 @@ def test_a_wrong_depth_is_measured(moving, tmp_path):
 def test_figures_of_several_checks_are_those_of_one(moving):
     simulation, sequence = moving
     one = ray_check(simulation, sequence, [0, 4])
-    both = together(ray_check(simulation, sequence, [index]) for index in (0, 4))
+    both = pooled(ray_check(simulation, sequence, [index]) for index in (0, 4))
     for name in ("rays", "pixels", "wrong", "median_m", "rarely_m", "most_m"):
         assert getattr(one, name) == getattr(both, name)
     np.testing.assert_array_equal(one.target_wrong, both.target_wrong)
-    assert together([]).met
+    assert pooled([]).met
 
 
 def test_another_rig_and_unknown_frames_are_refused(moving, tmp_path):

@@ -18,8 +18,8 @@ import pytest
 
 import scenarios
 from pjpdaf.errors import BenchError
+from scenarios.play.job import Job, System, digest_of
 from scenarios.play.plan import PlanRequest, plan
-from scenarios.play.play import Job, System, digest_of
 from scenarios.spec.draw import concrete, in_si, perform
 from scenarios.spec.loader import load_scenario_file, load_suite_file
 from scenarios.spec.names import load_scenario
