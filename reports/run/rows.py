@@ -17,7 +17,7 @@ from reports.score.records import (
     Episode,
     EpisodeFailure,
     FailureKind,
-    Picture,
+    OverlayPicture,
     Still,
 )
 from reports.score.score import score
@@ -39,7 +39,7 @@ class EpisodeRows:
     frames: Mapping[str, list[object]]
     episodes: tuple[TableRow, ...]
     events: tuple[TableRow, ...]
-    pictures: tuple[Picture, ...]
+    pictures: tuple[OverlayPicture, ...]
     stage_s: Mapping[str, float]
     frame_count: int
     failure: str = ""

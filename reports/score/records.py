@@ -32,7 +32,7 @@ class FrameOutcome:
 
 
 @dataclass(frozen=True)
-class Picture:
+class OverlayPicture:
     """Both views of a frame side by side, all drawn in by `overlay.overlay_jpeg`."""
 
     frame: int
@@ -67,7 +67,7 @@ class Episode:
     frames: tuple[FrameOutcome, ...]
     digest: str = ""
     values: Mapping[str, float | str] = field(default_factory=dict)
-    pictures: tuple[Picture, ...] = ()
+    pictures: tuple[OverlayPicture, ...] = ()
     redrawn: int = 0
     film: tuple[Still, ...] = ()
     blame: Mapping[tuple[str, int, int], str] = field(default_factory=dict)

@@ -9,7 +9,7 @@ from pjpdaf.camera import Camera
 from pjpdaf.follow import FollowedFrame
 from reports.pictures.overlay import overlay_jpeg
 from reports.pictures.stills import still
-from reports.score.records import Episode, Picture, Still
+from reports.score.records import Episode, OverlayPicture, Still
 from sim.truth import Truth
 
 MAX_PICTURES = 12
@@ -30,7 +30,7 @@ class PictureCollector:
         self._cameras = cameras
         self._chooser = PictureChooser(frame_count) if pictures else None
         self._whole_film = film
-        self._pictures: list[Picture] = []
+        self._pictures: list[OverlayPicture] = []
         self._film: list[Still] = []
 
     def add(self, followed: FollowedFrame, truth: Truth) -> None:
@@ -41,7 +41,7 @@ class PictureCollector:
             picture = overlay_jpeg(
                 frame, self._cameras, followed.detections, followed.estimates, truth
             )
-            self._pictures.append(Picture(frame.index, picture))
+            self._pictures.append(OverlayPicture(frame.index, picture))
         if chosen or self._whole_film:
             self._film.append(Still(frame.index, still(frame, self._cameras)))
 

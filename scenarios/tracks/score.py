@@ -20,7 +20,7 @@ from reports.pictures.overlay import overlay_jpeg
 from reports.run.load import load
 from reports.run.rows import EpisodeRows, rows_of
 from reports.run.save import RunInfo, check_free, save
-from reports.score.records import Episode, FrameOutcome, Picture
+from reports.score.records import Episode, FrameOutcome, OverlayPicture
 from reports.summary.tables import rich_table, summarise
 from reports.summary.text import count
 from scenarios.console.folder import default_folder
@@ -203,7 +203,7 @@ def episode_of(
         if chooser is not None and chooser.chooses(truth):
             shown = sequence.frame(truth.index)
             jpeg = overlay_jpeg(shown, sequence.rig.cameras, nothing_seen, said, truth)
-            kept.append(Picture(truth.index, jpeg))
+            kept.append(OverlayPicture(truth.index, jpeg))
     return Episode(
         scenario=facts.label,
         group=facts.group,

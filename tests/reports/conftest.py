@@ -11,7 +11,7 @@ import pytest
 
 from pjpdaf.camera import Camera, project
 from pjpdaf.interfaces import Detections, Estimates
-from reports.score.records import Episode, FrameOutcome, Picture
+from reports.score.records import Episode, FrameOutcome, OverlayPicture
 from sim.truth import Truth, ViewTruth
 
 LEFT_HANDED_TURN = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]])
@@ -83,7 +83,7 @@ def make_episode(
     merged: Callable[[int], Sequence[np.ndarray]] | None = None,
     labels: Callable[[int], tuple[str, ...]] | None = None,
     cameras: tuple[Camera, Camera] | None = None,
-    pictures: tuple[Picture, ...] = (),
+    pictures: tuple[OverlayPicture, ...] = (),
     stage_s: dict[str, float] | None = None,
 ) -> Episode:
     """An episode with the given truth and estimates (F, 3, 3) [m]; NaN: waiting."""

@@ -4,7 +4,6 @@ import os
 import re
 import subprocess
 import sys
-import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,8 +18,6 @@ from reports.dataset.card import card_text, write_card
 from reports.dataset.card_prose import without_paths
 from reports.dataset.card_sample import sample_jpeg
 from reports.dataset.card_tables import TASKS
-from reports.dataset.histograms import bin_names
-from reports.page.bars import counted_bars
 from sim.dataset.files.conventions import conventions
 from sim.dataset.histograms import BINS
 from sim.dataset.raytruth import RayFigures, lines_of
@@ -162,16 +159,6 @@ def test_the_sample_shows_frames_and_labels(dataset):
     assert tile.std() > 20  # a scene, no plain tile
     with pytest.raises(BenchError, match="no finished sequence"):
         sample_jpeg(replace(dataset, sequences=()))
-
-
-def test_bars_are_valid_and_escaped():
-    root = ET.fromstring(counted_bars("<&\"'", bin_names((-1.5, 0, 2)), (1, 3)))
-    bars = [e for e in root.iter("{http://www.w3.org/2000/svg}rect") if e.get("class") == "bar"]
-    long = [float(bar.get("width")) for bar in bars]
-    assert long[0] == pytest.approx(long[1] / 3, abs=0.1)
-    words = [e.text for e in root.iter("{http://www.w3.org/2000/svg}text")]
-    assert words == ["<&\"'", "−1.5 – 0", "1 (25.0 %)", "0 – 2", "3 (75.0 %)"]
-    assert "NaN" not in counted_bars("empty", ("a",), (0,))
 
 
 def test_names_of_a_stranger_are_words(dataset, statistics):

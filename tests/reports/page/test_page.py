@@ -20,7 +20,7 @@ from reports.pictures.stills import still
 from reports.run.load import load
 from reports.run.rows import rows_of
 from reports.run.save import RunInfo, save
-from reports.score.records import BUDGET_LEVELS, EpisodeFailure, Picture, Still
+from reports.score.records import BUDGET_LEVELS, EpisodeFailure, OverlayPicture, Still
 
 LEFT = "document.querySelector('[data-part=left]')"
 HOSTILE = '<script>alert("x")</script>&{{ 7*7 }}'
@@ -40,7 +40,7 @@ def runs(episode_of, tools, tmp_path_factory):
         return overlay_jpeg(frame, tools.cameras(), o.detections, o.estimates, o.truth)
 
     shown = [StereoFrame(f, f / 3, (tools.picture(f), tools.picture(f + 50))) for f in range(24)]
-    pictures = tuple(Picture(f, draw(shown[f], sample[f])) for f in (0, 12))
+    pictures = tuple(OverlayPicture(f, draw(shown[f], sample[f])) for f in (0, 12))
     film = tuple(Still(f.index, still(f, tools.cameras())) for f in shown)
     bad = replace(
         episode_of(swapped, centres_m=centres, scenario=HOSTILE, seed=1, pictures=pictures),
@@ -173,7 +173,7 @@ def test_no_run_and_no_place(runs, tmp_path):
 
 
 def test_pictures_that_are_none(episode_of, tmp_path):
-    pictures = (Picture(0, b"\xff\xd8"),)
+    pictures = (OverlayPicture(0, b"\xff\xd8"),)
     run = load(save(tmp_path / "run", [episode_of(pictures=pictures)], RunInfo("run")))
     with pytest.raises(BenchError, match=r"00000\.jpg: is no picture"):
         build_page([run])
@@ -181,7 +181,7 @@ def test_pictures_that_are_none(episode_of, tmp_path):
 
 def test_many_pictures_are_thinned(episode_of, tools, tmp_path):
     jpeg = bytes(cv2.imencode(".jpg", tools.picture())[1])
-    pictures = tuple(Picture(f, jpeg) for f in range(30))
+    pictures = tuple(OverlayPicture(f, jpeg) for f in range(30))
     run = load(save(tmp_path / "run", [episode_of(pictures=pictures)], RunInfo("run")))
     captions = re.findall(r"<img [^>]*><span>(frame \d+)</span>", build_page([run]))
     assert len(captions) == 8
@@ -223,7 +223,9 @@ def test_sixty_episodes_stay_in_their_size(sixty, episode_of, tools, tmp_path, f
     played = [
         replace(
             row,
-            pictures=tuple(Picture(f, jpeg) for f in range(0, 50, 5)) if row.seed == 0 else (),
+            pictures=tuple(OverlayPicture(f, jpeg) for f in range(0, 50, 5))
+            if row.seed == 0
+            else (),
             film=tuple(Still(f, webp) for f in range(0, 50, 1 if filmed else 5)),
         )
         for row in sixty

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from reports.run.save import RunInfo, save
-from reports.score.records import EpisodeFailure, Picture, Still
+from reports.score.records import EpisodeFailure, OverlayPicture, Still
 
 INFO = RunInfo("night", preset="default", overrides={"gate": 15.0}, argv=("run", "calm_table"))
 
@@ -19,7 +19,7 @@ def played(episode_of, tools):
             estimates = tools.noisy(centres, seed)
             if scenario == "cross" and seed == 1:
                 estimates[5:] = estimates[5:][:, [0, 2, 1]]
-            picture = Picture(3, b"\xff\xd8jpeg")
+            picture = OverlayPicture(3, b"\xff\xd8jpeg")
             episodes.append(
                 replace(
                     episode_of(

@@ -15,7 +15,7 @@ from reports.run.load import load
 from reports.run.rows import rows_of
 from reports.run.save import RunInfo, check_free, save, save_slim
 from reports.run.schema import TABLES
-from reports.score.records import Picture
+from reports.score.records import OverlayPicture
 
 FILES = tuple(f"{name}.parquet" for name in TABLES)
 
@@ -136,7 +136,7 @@ def test_a_whole_run_is_not_replaced_by_its_own_slim_copy(run):
 
 
 def test_hostile_scenario_names_stay_inside_the_folder(episode_of, tmp_path, info):
-    picture = Picture(0, b"\xff\xd8")
+    picture = OverlayPicture(0, b"\xff\xd8")
     episode = episode_of(frames=3, scenario="../../<b>évil", pictures=(picture,))
     folder = save(tmp_path / "night", [episode], info)
     assert {p.name for p in tmp_path.iterdir()} == {"night"}
