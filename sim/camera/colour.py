@@ -37,7 +37,7 @@ def balance_rgb(temperature_K: float) -> RGB:
 
 
 def linear_light(temperature_K: float) -> Floats:
-    """Linear red, green, blue (3,) of a black body relative to one at 6500 K, equally bright."""
+    """Linear red, green, blue (3,) of a black body relative to 6500 K, equally bright."""
     if not 2000 <= temperature_K <= 25_000:  # NaN fails as well
         raise ValueError(f"temperature_K must be from 2000 to 25000, got {temperature_K:g}")
     ours, neutral = (XYZ_TO_RGB @ black_body_xyz(T) for T in (temperature_K, NEUTRAL_K))

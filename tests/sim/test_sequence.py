@@ -115,7 +115,7 @@ def test_the_same_bytes_in_another_process():
     )
     environment = {**os.environ, "LP_NUM_THREADS": "0"}
     done = subprocess.run(
-        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=90
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=600
     )
     assert done.stdout.strip() == digest_of_all(), done.stderr
 

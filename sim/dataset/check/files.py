@@ -65,7 +65,7 @@ def read_checksums(tree: FileTree, folders: Collection[str], log: FaultLog) -> C
         listed = log.read(partial(read_sums, tree.root / path))
         for name, digest in (listed or {}).items():
             digests.setdefault(f"{folder}/{name}" if folder else name, set()).add(digest)
-    return Checksums({path: frozenset(found) for path, found in digests.items()})
+    return Checksums({path: frozenset(both) for path, both in digests.items()})
 
 
 def check_listing(

@@ -1,4 +1,4 @@
-"""COCO's instances files, one a view: masks, boxes, keypoints, and other labels in own fields.
+"""COCO's instances files, one per view: masks, boxes, keypoints, and other labels in own fields.
 
 A picture that did not arrive has no entry. A target or object that no pixel shows has no
 annotation, because COCO's readers expect every annotation to be detected; the image's field

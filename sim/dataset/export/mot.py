@@ -15,7 +15,7 @@ from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
-CLASS = 1  # "pedestrian": the only one that MOTChallenge's readers score
+CLASS = 1  # "pedestrian": the only class that MOTChallenge's readers score
 
 
 @contextmanager

@@ -144,7 +144,7 @@ def matches_from_png(flow: NDArray[np.uint16]) -> Matches:
 
 
 def amodal_to_png(masks: NDArray[np.bool_]) -> NDArray[np.uint8]:
-    """Masks (T, h, w) as one byte a pixel, a bit a target."""
+    """Masks (T, h, w) as a byte per pixel, with a bit per target."""
     bits = np.zeros(masks.shape[1:], np.uint8)
     for target, mask in enumerate(masks):
         bits |= mask.astype(np.uint8) << target

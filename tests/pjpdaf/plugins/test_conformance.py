@@ -37,9 +37,9 @@ class Tracker:
         return self.inner.predict(state, dt_s)
 
 
-def changed(said, **values):
+def changed(estimates, **values):
     names = ("positions_m", "covariances_m2", "velocities_mps", "status")
-    return Estimates(**{name: values.get(name, getattr(said, name)) for name in names})
+    return Estimates(**{name: values.get(name, getattr(estimates, name)) for name in names})
 
 
 class Raises(Tracker):
@@ -69,28 +69,31 @@ class Positions(Tracker):
 
 class TwoTargets(Tracker):
     def estimates(self, state):
-        said = super().estimates(state)
+        estimates = super().estimates(state)
         return Estimates(
-            said.positions_m[:2], said.covariances_m2[:2], said.velocities_mps[:2], said.status[:2]
+            estimates.positions_m[:2],
+            estimates.covariances_m2[:2],
+            estimates.velocities_mps[:2],
+            estimates.status[:2],
         )
 
 
 class WrongShape(Tracker):
     def estimates(self, state):
-        said = super().estimates(state)
-        return changed(said, velocities_mps=said.velocities_mps[:, :2])
+        estimates = super().estimates(state)
+        return changed(estimates, velocities_mps=estimates.velocities_mps[:, :2])
 
 
 class Nan(Tracker):
     def step(self, state, seen, dt_s):
-        after, said = super().step(state, seen, dt_s)
-        return after, changed(said, positions_m=said.positions_m * np.nan)
+        after, estimates = super().step(state, seen, dt_s)
+        return after, changed(estimates, positions_m=estimates.positions_m * np.nan)
 
 
 class Swapped(Tracker):
     def estimates(self, state):
-        said = super().estimates(state)
-        return changed(said, positions_m=said.positions_m[[0, 2, 1]])
+        estimates = super().estimates(state)
+        return changed(estimates, positions_m=estimates.positions_m[[0, 2, 1]])
 
     def step(self, state, seen, dt_s):
         after = super().step(state, seen, dt_s)[0]
@@ -99,14 +102,14 @@ class Swapped(Tracker):
 
 class Millimetres(Tracker):
     def step(self, state, seen, dt_s):
-        after, said = super().step(state, seen, dt_s)
-        return after, changed(said, positions_m=1000 * said.positions_m)
+        after, estimates = super().step(state, seen, dt_s)
+        return after, changed(estimates, positions_m=1000 * estimates.positions_m)
 
 
 class Lopsided(Tracker):
     def step(self, state, seen, dt_s):
-        after, said = super().step(state, seen, dt_s)
-        return after, changed(said, covariances_m2=-said.covariances_m2)
+        after, estimates = super().step(state, seen, dt_s)
+        return after, changed(estimates, covariances_m2=-estimates.covariances_m2)
 
 
 class Mutates(Tracker):
@@ -121,15 +124,15 @@ class Mutates(Tracker):
         return super().predict(state["now"], dt_s)
 
     def step(self, state, seen, dt_s):
-        state["now"], said = super().step(state["now"], seen, dt_s)
-        return state, said
+        state["now"], estimates = super().step(state["now"], seen, dt_s)
+        return state, estimates
 
 
 class Random(Tracker):
     def step(self, state, seen, dt_s):
-        after, said = super().step(state, seen, dt_s)
+        after, estimates = super().step(state, seen, dt_s)
         mean = after.mean + np.random.default_rng().normal(0, 1e-4, after.mean.shape)
-        return TrackState(mean, after.covariance, after.unseen_s, after.status), said
+        return TrackState(mean, after.covariance, after.unseen_s, after.status), estimates
 
 
 class BlindToGaps(Tracker):
@@ -140,14 +143,14 @@ class BlindToGaps(Tracker):
 
 class Infinite(Tracker):
     def step(self, state, seen, dt_s):
-        after, said = super().step(state, seen, dt_s)
-        return after, changed(said, velocities_mps=np.full((3, 3), np.inf))
+        after, estimates = super().step(state, seen, dt_s)
+        return after, changed(estimates, velocities_mps=np.full((3, 3), np.inf))
 
 
 class Diverges(Tracker):
     def step(self, state, seen, dt_s):
-        after, said = super().step(state, seen, dt_s)
-        return after, changed(said, positions_m=1e300 * said.positions_m)
+        after, estimates = super().step(state, seen, dt_s)
+        return after, changed(estimates, positions_m=1e300 * estimates.positions_m)
 
 
 class ForgetsItsState(Tracker):
@@ -159,8 +162,8 @@ class SwappedAtFirst(Tracker):
     """Right in the last frame."""
 
     def estimates(self, state):
-        said = super().estimates(state)
-        return changed(said, positions_m=said.positions_m[::-1])
+        estimates = super().estimates(state)
+        return changed(estimates, positions_m=estimates.positions_m[::-1])
 
 
 class Unspeakable(Exception):
@@ -237,8 +240,8 @@ def test_the_example_follows_the_targets(monkeypatch):
     tracker = NearestBlob(cameras)
     state = tracker.start(detections_of(cameras, paths[0], range(3)))
     for points in paths[1:]:
-        state, said = tracker.step(state, detections_of(cameras, points, [2, 0, 1]), 1 / 3)
-        assert np.abs(said.positions_m - points).max() < 1e-6
+        state, estimates = tracker.step(state, detections_of(cameras, points, [2, 0, 1]), 1 / 3)
+        assert np.abs(estimates.positions_m - points).max() < 1e-6
     none = (Detections.none(), Detections.none())
     assert tracker.step(state, none, 1 / 3)[1].status == ("coasting",) * 3
     sys.modules.pop("own_tracker")

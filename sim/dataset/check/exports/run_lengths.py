@@ -55,7 +55,7 @@ def _runs(counts: str) -> NDArray[np.int64]:
                 value -= 1 << shift
             runs.append(value + (runs[-2] if len(runs) > 2 else 0))
             value = shift = 0
-    found = np.array(runs, np.int64)
-    if len(found) == 0 or found.min() < 0:
+    lengths = np.array(runs, np.int64)
+    if len(lengths) == 0 or lengths.min() < 0:
         raise ValueError("a mask's counts are damaged")
-    return found
+    return lengths

@@ -22,7 +22,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False)
 class ViewArrays:
-    """Arrays of one view, None where a file was not asked for, is missing or damaged.
+    """Arrays of one view, None where a file is not wanted, missing or damaged.
 
     picture, clean (h, w, 3) uint8; depth_m (h, w) float32, NaN for nothing; seg (h, w) uint8;
     amodal (h, w) uint8, a bit per target; rectified, matches: `Matches`; floats: of the NPZ file.
@@ -53,7 +53,7 @@ class FrameArrays:
 
 
 def present(array: T | None) -> T:
-    """An array that must be there: a check runs only on a frame that has what it compares."""
+    """An array that must be there: a check runs only on frames with the arrays it compares."""
     assert array is not None
     return array
 

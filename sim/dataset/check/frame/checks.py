@@ -1,4 +1,4 @@
-"""All checks of the frames of a sequence, in the order in which one may rest on another."""
+"""All checks of the frames of a sequence, each before the checks that rest on it."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class FrameChecks:
         self._sequence, self._tree, self._labels = sequence, tree, labels
         self._names, self._tables, self._rays, self._log = names, tables, rays, log
         self._reference: FrameArrays | None = None  # the first whose depth has no fault
-        self._static_matches: Correspondences | None = None  # of things that never move
+        self._static_matches: Correspondences | None = None  # of table and room
         self._lone: list[tuple[int, FrameArrays]] = []
 
     def check(self, index: int) -> None:

@@ -27,7 +27,7 @@ from sim.scene.world import CAMERAS
 
 STEP = 4  # every STEP-th pixel of every STEP-th row is compared
 # Between four pixels of one instance lie bends and edges too: of 12 rigs' pictures, 98 % and more
-# closed, the median within 0.001 px, and 1.1 % at most lay behind what hides them.
+# closed, the median within 0.001 px, and 1.1 % at most lay behind the surface that hides them.
 LEAST_CLOSED, MEDIAN_PX, MOST_BEHIND = 0.95, 0.02, 0.025
 
 
@@ -66,8 +66,8 @@ class Closing:
 def closing(view: FrameView, static_only: bool, step: int = STEP) -> Closing:
     """Project a view's pixels into the other view, from there by its depth to a point, and back.
 
-    static_only: only things that never move, for views of two moments. Only where the four pixels
-    around the position are of the same instance as the pixel.
+    static_only: only table and room, which never move, for views of two moments. Only where the
+    four pixels around the position are of the same instance as the pixel.
     """
     here, there = view.rays, view.other_rays
     seg, other_seg = present(view.own.seg), present(view.other.seg)

@@ -65,7 +65,7 @@ def check_targets(
 
 
 def changed_views(frame: FrameArrays, other: FrameArrays) -> list[int]:
-    """Views whose depth of static things is not that of another frame."""
+    """Views whose depth of table and room differs from that of another frame."""
     changed = []
     for v, (view, reference) in enumerate(zip(frame.views, other.views, strict=True)):
         if view.depth_m is None or reference.depth_m is None:

@@ -137,8 +137,8 @@ def check_amodal(masks: MaskView) -> Iterator[Fault | FrameFault]:
 
 def _merge_faults(masks: MaskView) -> Iterator[FrameFault]:
     seg, listed = _seg(masks), masks.tables.truth.views[masks.view].merged
-    found = merged(seg, np.array([measured(seg == 1 + t)[2] for t in range(len(TARGETS))]))
-    for a, b in np.argwhere(found != listed).tolist():
+    boxes = np.array([measured(seg == 1 + t)[2] for t in range(len(TARGETS))])
+    for a, b in np.argwhere(merged(seg, boxes) != listed).tolist():
         text = "do not touch in the mask" if listed[a, b] else "are one blob in the mask"
         kind = f"merged_with of {TARGETS[a]}, {masks.camera} view"
         yield masks.fault(kind, f"{TARGETS[b]}: {text}")

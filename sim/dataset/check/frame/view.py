@@ -58,5 +58,5 @@ class FrameView:
 
 
 def is_static(ids: NDArray[np.generic]) -> NDArray[np.bool_]:
-    """Which instance ids are of things that never move."""
+    """Which instance ids are of table and room, which never move."""
     return np.isin(ids, STATIC)

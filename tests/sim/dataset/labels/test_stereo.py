@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 
 from pjpdaf.calibration import rectify
-from pjpdaf.camera import Camera, StereoRig, distort_points, project, to_camera
+from pjpdaf.camera import StereoRig, distort_points, project, to_camera
 from sim.camera.rays import cast
 from sim.camera.render import StereoRenderer
 from sim.dataset.labels.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN
 from sim.dataset.labels.stereo import PicturePair, RectifiedPair
 from sim.labels import back_project
-from sim.lens import lens_of, real_pixels
 from sim.person.rest import rest_pose
 from sim.randomness import generator
 from sim.scene.rig import stereo_rig
@@ -243,30 +242,6 @@ def test_no_plane_hides_itself(kind, seed):
     for found in make(rig, (None, None)).matches(tuple(depths)):
         assert (found.status == SEEN).sum() > 1000
         assert (found.status == HIDDEN).sum() == 0
-
-
-LENSES = {
-    4: BENT,
-    5: (*BENT, -0.01),
-    8: (*BENT, -0.01, 0.02, -0.01, 0.003),
-    12: (*BENT, -0.01, 0.02, -0.01, 0.003, 0.001, -0.002, 0.0015, 0.001),
-    14: (*BENT, -0.01, 0.02, -0.01, 0.003, 0.001, -0.002, 0.0015, 0.001, 0.01, -0.02),
-}
-
-
-@pytest.mark.parametrize("count", LENSES)
-def test_the_lens_is_opencvs(count):
-    K = np.array([[540.0, 0, 322.0], [0, 531.0, 236.0], [0, 0, 1]])
-    camera = Camera(K, np.eye(3), np.zeros(3), 640, 480, np.array(LENSES[count]))
-    lens = lens_of(camera)
-    rng = generator(100, "lens")
-    at = rng.uniform((0, 0), (640, 480), (2000, 2)).astype(np.float32)
-    x, y = real_pixels(camera, lens, at[:, 0], at[:, 1])
-    np.testing.assert_allclose(np.column_stack([x, y]), distort_points(camera, at), atol=5e-4)
-    # Beyond the ideal picture nothing is claimed.
-    low = K[:2, 2] - lens.ideal.K[:2, 2]
-    beyond = np.array([low - 1, low + np.array([lens.ideal.width_px, 0])], np.float32)
-    assert np.isnan(real_pixels(camera, lens, beyond[:, 0], beyond[:, 1])).all()
 
 
 def test_a_point_behind_the_other_camera_is_out_of_frame():
