@@ -1,10 +1,16 @@
-"""The command in processes of its own that get real signals, and waiting for what they do."""
+"""The command in processes of its own, which get real signals, or, faster, in this process."""
 
+import io
 import os
 import subprocess
 import sys
 import time
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
+
+import pytest
+
+from scenarios.cli.main import main
 
 ROOT = Path(__file__).parents[1]
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -49,3 +55,39 @@ def worker_pids(pid):
         if any(b"spawn_main" in word for word in words):
             pids.append(int(child))
     return pids
+
+
+def bench(*words, cwd=ROOT, **environment):
+    """The finished process of `pjpdaf-bench WORDS`."""
+    clean = {name: value for name, value in ENVIRONMENT.items() if name != "MUJOCO_GL"}
+    return subprocess.run(
+        command(*words),
+        cwd=cwd,
+        env=clean | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def in_this_process(*words):
+    """The same, without the seconds in which a new process loads everything."""
+    output, errors = io.StringIO(), io.StringIO()
+    code = None
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(output), redirect_stderr(errors):
+        patch.setattr(sys, "argv", ["pjpdaf-bench", *map(str, words)])
+        try:
+            main()
+        except SystemExit as end:
+            code = end.code
+    return subprocess.CompletedProcess(words, code, output.getvalue(), errors.getvalue())
+
+
+def assert_one_line(done, code, *fragments):
+    """The command ended with this exit code and a single line that has all fragments."""
+    assert done.returncode == code, done.stderr
+    assert "Traceback" not in done.stderr
+    lines = done.stderr.strip().splitlines()
+    assert len(lines) == 1, done.stderr
+    for fragment in fragments:
+        assert fragment in lines[0], lines[0]

@@ -8,7 +8,7 @@ import time
 
 import cv2
 import pytest
-from command import COMMAND, ENVIRONMENT, ROOT, in_this_process
+from commands import ENVIRONMENT, ROOT, command, in_this_process
 
 from pjpdaf.errors import BenchError
 from reports.pictures.truth_overlay import STRIP_PX
@@ -116,7 +116,7 @@ def can_mount():
 @pytest.mark.skipif(not can_mount(), reason="a small disk cannot be mounted here")
 def test_a_full_disk_is_one_line_and_exit_code_5(tmp_path):
     pytest.importorskip("av")
-    show = f'{" ".join(COMMAND)} scenarios show cross --frames 0:5 --film "$0/out.mp4"'
+    show = f'{" ".join(command())} scenarios show cross --frames 0:5 --film "$0/out.mp4"'
     script = f'mount -t tmpfs -o size=64k none "$0" && {{ {show}; echo "rc $?"; ls -A "$0"; }}'
     done = subprocess.run(
         ["unshare", "-Urm", "sh", "-c", script, str(tmp_path)],
@@ -135,9 +135,9 @@ def test_a_full_disk_is_one_line_and_exit_code_5(tmp_path):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_film_leaves_nothing(tmp_path, number):
     pytest.importorskip("av")
-    command = [*COMMAND, "scenarios", "show", "calm_table", "--film", str(tmp_path / "out.mp4")]
+    line = command("scenarios", "show", "calm_table", "--film", str(tmp_path / "out.mp4"))
     with subprocess.Popen(
-        command, cwd=ROOT, env=ENVIRONMENT, stderr=subprocess.PIPE, text=True
+        line, cwd=ROOT, env=ENVIRONMENT, stderr=subprocess.PIPE, text=True
     ) as process:
         while not list(tmp_path.glob(".out.mp4.part-*/out.mp4")):
             assert process.poll() is None

@@ -1,7 +1,7 @@
 """The catalogue as pages with pictures."""
 
 import pytest
-from command import bench, in_this_process
+from commands import bench, in_this_process
 
 from scenarios.catalogue import pages as gallery
 from scenarios.spec.names import scenario_names

@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from command import ROOT, assert_one_line, bench, in_this_process
+from commands import ROOT, assert_one_line, bench, in_this_process
 
 from scenarios.spec.names import scenario_names
 

@@ -3,13 +3,13 @@
 import subprocess
 
 import pytest
-from command import COMMAND, ENVIRONMENT, ROOT
+from commands import ENVIRONMENT, ROOT, command
 
 
 def to_nobody(*words):
     """The command with a standard output that nobody reads."""
     with subprocess.Popen(
-        [*COMMAND, *map(str, words)],
+        command(*words),
         cwd=ROOT,
         env=ENVIRONMENT,
         stdout=subprocess.PIPE,

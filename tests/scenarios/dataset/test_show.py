@@ -72,7 +72,7 @@ def test_one_sequence_alone_has_more_frames_on_the_sheet(made, tmp_path):
     assert heights[1] > 2.5 * heights[0]  # twelve frames, two a row; before two rows
     page = (tmp_path / "one" / "page.html").read_text()
     assert "<title>set, seq_000002</title>" in page
-    assert page.count('id="clip-') == 1
+    assert page.count('id="sequence-') == 1
     assert "<dd>14</dd>" in page
 
 

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 import pandas as pd
 import pytest
-from command import COMMAND, ENVIRONMENT, ROOT, in_this_process
+from commands import ENVIRONMENT, ROOT, command, in_this_process
 
 from pjpdaf.calibration import write_rig
 from pjpdaf.camera import StereoRig, distort_points, project, to_camera
@@ -365,7 +365,7 @@ def test_a_signal_keeps_what_is_tracked(footage, tmp_path, number):
     sides = {name: links(tmp_path / name, paths) for name, paths in files.items()}
     out = tmp_path / "out"
     process = subprocess.Popen(
-        [*COMMAND, *words(footage, out, **sides)],
+        command(*words(footage, out, **sides)),
         cwd=ROOT,
         env=ENVIRONMENT,
         stdout=subprocess.PIPE,
