@@ -24,6 +24,7 @@ from reports.score.records import Episode, FrameOutcome, OverlayPicture
 from reports.summary.tables import rich_table, summarise
 from reports.summary.text import count
 from scenarios.console.folder import default_folder
+from scenarios.console.interrupts import interrupts, unwritten_if_interrupted
 from scenarios.console.progress import progress_bar
 from scenarios.play.from_dataset import (
     check_once,
@@ -73,7 +74,7 @@ class Facts:
 
 
 def score_tracks(request: ScoreRequest) -> None:
-    """Read, score, save, print. Raises BenchError."""
+    """Read, score, save, print. Raises BenchError, Interrupted after a signal before saving."""
     if request.frame not in FRAMES:
         raise BenchError(f"--frame must be {' or '.join(FRAMES)}, got {request.frame[:40]!r}")
     dataset = open_with_sequences(request.dataset)
@@ -88,21 +89,27 @@ def score_tracks(request: ScoreRequest) -> None:
     notes = sorted({one.note for one in facts.values() if one.note})
     rows = []
     pictured = {one.label: one.seed for one in sorted(facts.values(), key=lambda f: -f.seed)}
-    with progress_bar(Console(stderr=True)) as progress:
-        task = progress.add_task("scoring", total=len(dataset.sequences))
-        for sequence in dataset.sequences:
-            mine = facts[sequence.name]
-            tracks = found.get(sequence.name)
-            pictures = pictured[mine.label] == mine.seed
-            rows.append(
-                _scored(replace(sequence), mine, tracks, request.frame, notes, pictures=pictures)
-            )
-            progress.update(task, advance=1)
-    saved = load(save(folder, rows, _info(request, dataset, folder, facts)))
+    with interrupts():  # while the run is saved, signals are only counted
+        with (
+            unwritten_if_interrupted(folder),
+            progress_bar(Console(stderr=True)) as progress,
+        ):
+            task = progress.add_task("scoring", total=len(dataset.sequences))
+            for sequence in dataset.sequences:
+                mine = facts[sequence.name]
+                tracks = found.get(sequence.name)
+                pictures = pictured[mine.label] == mine.seed
+                rows.append(
+                    _scored(
+                        replace(sequence), mine, tracks, request.frame, notes, pictures=pictures
+                    )
+                )
+                progress.update(task, advance=1)
+        saved = load(save(folder, rows, _info(request, dataset, folder, facts)))
+        page = write_page([saved], folder / "report.html")
     out = Console()
     out.print(rich_table(summarise(saved)))
     frames = sum(row.frame_count for row in rows)
-    page = write_page([saved], folder / "report.html")
     said = [f"{count(len(rows), 'sequence')}, {count(frames, 'stereo frame')} scored"]
     for line in (*said, *(f"note: {note}" for note in notes), f"report: {page}"):
         out.print(line, highlight=False, markup=False, soft_wrap=True)
