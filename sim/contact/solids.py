@@ -13,8 +13,8 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
-from sim.person.body import torso_surface
 from sim.person.kinematics import OUTWARD
+from sim.person.torso import torso_surface
 
 _UP = np.array([0.0, 0.0, 1.0])
 

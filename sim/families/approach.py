@@ -8,7 +8,8 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, project, to_camera
-from sim.contact.contact import Capsules, hand_capsules
+from sim.contact.arm_shape import hand_capsules
+from sim.contact.capsules import Capsules
 from sim.motion.bisection import bisect
 from sim.motion.motion import Cue
 from sim.motion.planner import RISING_M, HandPlanner, meet, raised

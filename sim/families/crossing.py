@@ -8,7 +8,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from sim.contact.contact import capsule_gap, hand_capsules
+from sim.contact.arm_shape import hand_capsules
+from sim.contact.capsules import capsule_gap
 from sim.families.approach import (
     PARAMETERS,
     Approach,

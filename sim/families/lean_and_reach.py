@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from sim.contact.contact import height_above_table
+from sim.contact.arm_shape import height_above_table
 from sim.motion.carriage import Leans
 from sim.motion.motion import Cue, MotionPlan, successive
 from sim.motion.planner import curled

@@ -12,7 +12,7 @@ from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, distort_points, project, to_camera
 from pjpdaf.errors import BenchError
 from sim.anatomy import Anatomy
-from sim.contact.contact import Capsules
+from sim.contact.capsules import Capsules
 from sim.families.touching import hand_bars
 from sim.motion.bisection import bisect
 from sim.motion.carriage import Carriage, Lean

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sim.contact.contact import hand_capsules, height_above_table
+from sim.contact.arm_shape import hand_capsules, height_above_table
 from sim.motion.motion import Cue, Hold, MotionPlan
 from sim.motion.planner import HandPlanner, curled
 from sim.motion.stage import Family, Stage, Values, number

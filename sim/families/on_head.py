@@ -9,7 +9,8 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
-from sim.contact.contact import arm_shape, exempt, hand_capsules
+from sim.contact.arm_shape import arm_shape, hand_capsules
+from sim.contact.contact import exempt
 from sim.contact.solids import person_solids
 from sim.motion.bisection import bisect
 from sim.motion.posture import posture

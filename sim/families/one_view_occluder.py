@@ -10,7 +10,7 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
 from pjpdaf.errors import BenchError
-from sim.contact.contact import Capsules
+from sim.contact.capsules import Capsules
 from sim.families.touching import hand_bars
 from sim.motion.motion import Cue, MotionPlan, object_at_rest
 from sim.motion.planner import raised

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from sim.contact.contact import capsule_gap
+from sim.contact.capsules import capsule_gap
 from sim.families.approach import (
     Pair,
 )

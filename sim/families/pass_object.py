@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sim.contact.contact import Capsules
+from sim.contact.capsules import Capsules
 from sim.families.touching import brought, closed, hand_bars
 from sim.motion.motion import Hold, MotionPlan, successive
 from sim.motion.planner import RISING_M, curled, grasp, meet

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sim.contact.contact import height_above_table
+from sim.contact.arm_shape import height_above_table
 from sim.families.on_head import Laying, beside, laid_alone
 from sim.motion.curves import sweep
 from sim.motion.motion import Hold, MotionPlan, successive

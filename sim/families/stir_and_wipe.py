@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sim.contact.contact import height_above_table
+from sim.contact.arm_shape import height_above_table
 from sim.motion.curves import Curve, ellipse, figure_eight, rounds
 from sim.motion.motion import Cue, Hold, MotionPlan
 from sim.motion.planner import HandPlanner, curled, grasp

@@ -8,7 +8,8 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
-from sim.contact.contact import Capsules, capsule_gap, hand_capsules
+from sim.contact.arm_shape import hand_capsules
+from sim.contact.capsules import Capsules, capsule_gap
 from sim.motion.bisection import bisect
 from sim.motion.strokes import HandState
 

@@ -9,14 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from sim.contact.contact import (
-    ALLOWED_PENETRATION_M,
-    POINTS_OF_PART,
-    Penetration,
-    arm_shape,
-    part_name,
-    penetration,
-)
+from sim.contact.arm_shape import POINTS_OF_PART, arm_shape
+from sim.contact.contact import ALLOWED_PENETRATION_M, Penetration, part_name, penetration
 from sim.contact.solids import StandingObject
 from sim.motion.motion import Body, Performer, object_at_rest
 from sim.person.kinematics import (

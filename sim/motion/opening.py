@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim.contact.contact import height_above_table
+from sim.contact.arm_shape import height_above_table
 from sim.motion.carriage import Carriage, CarriageMotion
 from sim.motion.curves import sweep
 from sim.motion.motion import Cue, HandMotion, MotionPlan

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pjpdaf.arrays import Floats
-from sim.contact.contact import height_above_table
+from sim.contact.arm_shape import height_above_table
 from sim.motion.strokes import HandPath, HandState, Move, Stroke, quaternion_of, stroke_duration
 from sim.person.kinematics import OUTWARD, hand_rotation
 from sim.pose import Transform

@@ -13,25 +13,24 @@ from hypothesis import strategies as st
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
 from sim.anatomy import Anatomy
-from sim.contact.contact import (
+from sim.contact.arm_shape import (
     FOREARM,
     HAND,
     PART_OF_BAR,
     PART_OF_POINT,
-    Capsules,
     arm_shape,
-    capsule_gap,
     hand_capsules,
     height_above_table,
-    overlaps,
-    penetration,
 )
+from sim.contact.capsules import Capsules, capsule_gap, overlaps
+from sim.contact.contact import penetration
 from sim.contact.separation import separate
 from sim.contact.solids import Obstacles, Slab, StandingObject, Table, person_solids
 from sim.gl import load_mujoco
-from sim.person.body import SKIN, torso_surface
+from sim.person.geoms import SKIN
 from sim.person.head import head_surface
 from sim.person.kinematics import hand_rotation, shoulders, solve_arm
+from sim.person.torso import torso_surface
 from sim.pose import SIDES
 from sim.scene.world import build
 from sim.specs import SceneSpec

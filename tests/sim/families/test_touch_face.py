@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from performances import cues, drawn, performance, truths
 
-from sim.contact.contact import hand_capsules
+from sim.contact.arm_shape import hand_capsules
 from sim.person.head import head_surface
 
 SEEDS = range(200, 203)

@@ -13,7 +13,7 @@ from sim.camera.render import StereoRenderer
 from sim.dataset.labels.instances import instances_of
 from sim.dataset.labels.keypoints import MARGIN, Keypoints
 from sim.dataset.labels.records import KEYPOINTS, NOT_LABELLED, OCCLUDED, VISIBLE
-from sim.person.body import SKIN
+from sim.person.geoms import SKIN
 from sim.person.hand import FINGERS, fingers
 from sim.person.rest import rest_pose
 from sim.pose import SIDES, Transform
