@@ -92,10 +92,10 @@ def charuco_board(board: Board) -> cv2.aruco.CharucoBoard:
 
 
 def find_corners(board: Board, picture: np.ndarray) -> Corners | None:
-    """Corners of the board in a picture uint8 BGR (h, w, 3) or grey (h, w), None if there is none.
+    """Detect the corners of the board in a picture uint8 BGR (h, w, 3) or grey (h, w).
 
-    A chessboard counts only when all corners are seen. Which of its ends comes first is not known
-    where it looks the same upside down: see `turned`.
+    None where there is no board. A chessboard counts only when all corners are seen. Which of its
+    ends comes first is not known where it looks the same upside down: see `turned`.
     """
     grey = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY) if picture.ndim == 3 else picture
     if board.kind == "charuco":
@@ -146,13 +146,13 @@ def _refined(
 
 
 def turned(board: Board, corners: Corners) -> Corners:
-    """The same corners numbered from the other end: the board turned by 180 degrees."""
+    """Number the corners from the other end: the board turned by 180 degrees."""
     n = board.columns * board.rows
     return Corners(n - 1 - corners.ids, corners.pixels)
 
 
 def draw_corners(board: Board, picture: np.ndarray, corners: Corners | None) -> np.ndarray:
-    """A copy of a BGR picture with the corners drawn in."""
+    """Draw the corners into a copy of a BGR picture (h, w, 3)."""
     drawn = picture.copy()
     if corners is None:
         return drawn

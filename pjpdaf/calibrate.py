@@ -62,7 +62,7 @@ def calibrate(
 
 
 def rectified_pair(rig: StereoRig, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Both pictures rectified, side by side (h, 2 w, 3), with horizontal lines every 32 px."""
+    """Draw both pictures rectified, side by side (h, 2 w, 3), with horizontal lines every 32 px."""
     R1, R2, P1, P2, *_ = rectify(rig)
     size = (rig.left.width_px, rig.left.height_px)
     halves = []
@@ -92,7 +92,7 @@ def _same_size(pair: PicturePair, size: tuple[int, int] | None) -> tuple[int, in
 
 
 def _unusable(board: Board, pair: PicturePair, corners: list[Corners | None]) -> str:
-    """Why a pair cannot be used, '' if it can."""
+    """Reason why a pair cannot be used, '' if it can."""
     for view, picture in zip(VIEWS, pair.pictures, strict=True):
         if picture is None:
             return f"no readable picture in {view}"

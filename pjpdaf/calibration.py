@@ -23,7 +23,7 @@ def read_rig(
     size_px: tuple[int, int] | None = None,
     unit_m: float = 1.0,
 ) -> StereoRig:
-    """Stereo rig in the left camera's frame (left R_cw = I, t_cw = 0) from OpenCV YAML (or XML).
+    """Read a rig, in the left camera's frame (left R_cw = I, t_cw = 0), from OpenCV YAML (or XML).
 
     intrinsics: file with M1 D1 M2 D2, or the folder that holds both files under their usual names;
     extrinsics: file with R T (default: beside the first under its usual name, or, where that file
@@ -103,7 +103,7 @@ def write_rig(rig: StereoRig, folder: Path | str) -> tuple[Path, Path]:
 def rectify(
     rig: StereoRig,
 ) -> tuple[Floats, Floats, Floats, Floats, Floats, object, object]:
-    """cv2.stereoRectify of the rig, flags as in the stereo sample: R1, R2, P1, P2, Q, two ROIs."""
+    """Rectify by cv2.stereoRectify, flags as in the stereo sample: R1, R2, P1, P2, Q, two ROIs."""
     left, right = rig.left, rig.right
     rectified: tuple[Floats, Floats, Floats, Floats, Floats, object, object] = cv2.stereoRectify(
         np.array(left.K),
@@ -125,7 +125,7 @@ def _row(distortion: Floats) -> Floats:
 
 
 class _Yaml:
-    """A FileStorage opened for reading, whose faults are one line each."""
+    """OpenCV's FileStorage opened for reading; each fault is a FileError."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -153,7 +153,7 @@ class _Yaml:
         return key in self._keys
 
     def matrix(self, key: str) -> Floats:
-        """A matrix of finite numbers."""
+        """Return the matrix of a key. Raises FileError if it is not of finite numbers."""
         if not self.has(key):
             there = f". It has {', '.join(sorted(self._keys))}" if self._keys else ""
             raise FileError(self.path, f"key {key} is missing{there}")

@@ -126,7 +126,7 @@ def distort_points(camera: Camera, pixels: Floats) -> Floats:
 
 
 def undistort_picture(camera: Camera, picture: np.ndarray) -> np.ndarray:
-    """A picture (h, w, 3) resampled to the ideal pinhole with the same K, as in the thesis."""
+    """Resample a picture (h, w, 3) to the ideal pinhole with the same K, as in the thesis."""
     if not np.any(camera.distortion):
         return picture
     ideal: np.ndarray = cv2.undistort(picture, np.array(camera.K), np.array(camera.distortion))
@@ -134,7 +134,7 @@ def undistort_picture(camera: Camera, picture: np.ndarray) -> np.ndarray:
 
 
 def triangulate(cameras: tuple[Camera, ...], pixels: Floats) -> Floats:
-    """A point of the world (3,) [m] from its undistorted pixels (N, 2) in N >= 2 views.
+    """Triangulate a point (3,) [m] from its undistorted pixels (N, 2) in N >= 2 views.
 
     Linear triangulation by SVD (Eq. 3.45). NaN where the rays are parallel (point at infinity).
     """

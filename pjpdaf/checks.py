@@ -21,7 +21,7 @@ def check_above_zero(owner: str, record: Any, *names: str) -> None:
 
 
 def check_not_negative(owner: str, record: Any, *names: str) -> None:
-    """As `check_above_zero` for numbers that may be 0."""
+    """Raise BadParameter where a field is not a finite number of at least 0."""
     for name in names:
         value = getattr(record, name)
         if not (math.isfinite(value) and value >= 0):
@@ -29,7 +29,7 @@ def check_not_negative(owner: str, record: Any, *names: str) -> None:
 
 
 def check_between_0_and_1(owner: str, record: Any, *names: str) -> None:
-    """As `check_above_zero` for shares, 0 and 1 themselves excluded."""
+    """Raise BadParameter where a field is not between 0 and 1, both excluded."""
     for name in names:
         value = getattr(record, name)
         if not 0 < value < 1:

@@ -22,7 +22,7 @@ class BenchError(Exception):
     exit_code = 2
 
     def reworded(self, line: str) -> Self:
-        """The same fault, with its type, fields and exit code, and another line."""
+        """Copy the fault, with its type, fields and exit code, and another line."""
         return _restored(type(self), (line,), self.__dict__)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -34,7 +34,7 @@ class BenchError(Exception):
 
 
 class InfrastructureError(BenchError):
-    """The machine lacks something (OpenGL, disk, a worker that died). Exit code 5."""
+    """A fault of the machine (OpenGL, disk, a worker that died). Exit code 5."""
 
     exit_code = 5
 
@@ -52,7 +52,7 @@ class FileError(BenchError):
 
 
 class PlugInFault(Exception):
-    """A plug-in raised, or its answer breaks the protocol. One line; ends its episode."""
+    """A plug-in that raised, or whose answer breaks the protocol. One line; ends its episode."""
 
 
 def _unpickled(whole: bytes, line: str, exit_code: int) -> BenchError:

@@ -58,13 +58,13 @@ class PicturePair:
 
 
 def natural_key(name: str) -> tuple[tuple[int, int, str], ...]:
-    """Sorts 'f2' before 'f10': digits by value, text without case."""
+    """Key that sorts 'f2' before 'f10': digits by value, text without case."""
     pieces = re.split(r"([0-9]+)", name)
     return tuple((1, int(p), "") if p.isdecimal() else (0, 0, p.lower()) for p in pieces)
 
 
 def open_source(path: Path | str) -> Source:
-    """A folder of pictures, a pattern such as 'pictures/left*.png', or a video file.
+    """Open a folder of pictures, a pattern such as 'pictures/left*.png', or a video file.
 
     Raises BenchError where there is no such file or folder, or nothing readable in it.
     """
@@ -223,7 +223,7 @@ def _check_counts(a: Source, b: Source, unit: str, shortest: bool) -> None:
 def _pairing(
     a: PictureFolder, b: PictureFolder, shortest: bool
 ) -> list[tuple[Path | None, Path | None]]:
-    """Which files belong together: by the last number in their names, else in order."""
+    """Pair files by the last number in their names, else in order."""
     left, right = _by_number(a.files), _by_number(b.files)
     common = left.keys() & right.keys()
     union = sorted(left.keys() | right.keys())

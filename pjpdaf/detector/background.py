@@ -133,7 +133,7 @@ class BackgroundSums:
 
 
 def prepare(background: Background, parameters: BackgroundParameters) -> BackgroundTest:
-    """The test of a background, with floors under its standard deviations.
+    """Prepare the test of a background, with floors under its standard deviations.
 
     The variance of a new observation, given mean and variance from n, is that of Student's t:
     s^2 (1 + 1/n) (n - 1) / (n - 3); for n = 10 that is 1.41 s^2. Floors come after.
@@ -153,7 +153,7 @@ def prepare(background: Background, parameters: BackgroundParameters) -> Backgro
 
 
 def is_foreground(test: BackgroundTest, hsv: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Which of the pixels `at` (n,), flat indices into hsv (h, w, 3), are foreground: bool (n,).
+    """Test the pixels `at` (n,), flat indices into hsv (h, w, 3), for foreground: bool (n,).
 
     Foreground is d^2 = sum (x - mean)^2 / sd^2 > threshold, hue differences taken on the circle.
     Where a pixel has only become darker (by shadow_min at most), value does not count, and the

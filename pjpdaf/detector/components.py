@@ -60,7 +60,7 @@ class Segments:
 
 
 def clean(mask: np.ndarray, open_px: int, close_px: int) -> np.ndarray:
-    """Opening, then closing of a uint8 mask (h, w) by discs of these diameters [px]; <= 1: none."""
+    """Open, then close a uint8 mask (h, w) by discs of these diameters [px]; <= 1: neither."""
     for diameter, operation in ((open_px, cv2.MORPH_OPEN), (close_px, cv2.MORPH_CLOSE)):
         if diameter > 1:
             disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (int(diameter), int(diameter)))
@@ -69,7 +69,7 @@ def clean(mask: np.ndarray, open_px: int, close_px: int) -> np.ndarray:
 
 
 def segments(mask: np.ndarray, min_area_px: float, merge_fragments: bool) -> Segments:
-    """8-connected components of a uint8 mask (h, w) with at least min_area_px pixels.
+    """Return the 8-connected components of a uint8 mask (h, w) with at least min_area_px pixels.
 
     merge_fragments: a component under min_area_px joins its nearest neighbour, and only that, if it
     is not further away than its own diameter; so two large components are never joined. The area
@@ -103,7 +103,7 @@ def segments(mask: np.ndarray, min_area_px: float, merge_fragments: bool) -> Seg
 
 
 def _join_fragments(labels: np.ndarray, stats: np.ndarray, min_area_px: float) -> Ints:
-    """Which component each label (count,) belongs to, fragments joined to their nearest."""
+    """Component of each label (count,), fragments joined to their nearest neighbour."""
     count = len(stats)
     areas = stats[:, cv2.CC_STAT_AREA]
     parent = np.arange(count)
@@ -138,7 +138,7 @@ def _root(parent: Ints, i: int) -> int:
 
 
 def min_area_px(p: ComponentParameters, camera: Camera, predicted: Estimates | None) -> float:
-    """Smallest component of this view [px]: areas go with (f / Z)^2.
+    """Return the smallest component of this view [px]: areas go with (f / Z)^2.
 
     Z is the median depth of the targets that `predicted` says are tracked; without any,
     reference_depth_m. The scale for depth is kept within 1/4 .. 4, as a prediction may be wrong.

@@ -116,7 +116,7 @@ class SkinDetector:
         return Detections(fit.centres, covariances, ellipse_axes(fit), fit.areas, mask=mask)
 
     def _pictures(self, frame: StereoFrame) -> tuple[np.ndarray | None, ...]:
-        """The frame's pictures, checked, and undistorted where pictures are to be."""
+        """Check the frame's pictures, and undistort them where whole pictures are undistorted."""
         if len(frame.pictures) != len(self.cameras):
             raise BenchError(
                 f"Frame {frame.index} has {len(frame.pictures)} pictures, the rig "

@@ -24,7 +24,7 @@ class Moments:
 
 
 def moments(points: Ints, labels: Ints, k: int, step: int = 1) -> Moments:
-    """First and second moments of the pixels (n, 2) of each label 0..k-1.
+    """Return first and second moments of the pixels (n, 2) of each label 0..k-1.
 
     A pixel is a square of `step` px: its own variance step^2 / 12 is part of the second moment, so
     an ellipse drawn in pixels, or a lattice of it, has the covariance of the ellipse itself.
@@ -46,7 +46,7 @@ def moments(points: Ints, labels: Ints, k: int, step: int = 1) -> Moments:
 def ellipse_error(
     points: Ints, labels: Ints, fit: Moments, size: tuple[int, int], step: int = 1
 ) -> int:
-    """Err = N_C + N_E over all clusters (Eq. 3.1), in pixels of the lattice.
+    """Count Err = N_C + N_E over all clusters (Eq. 3.1), in pixels of the lattice.
 
     points (n, 2) on the lattice of multiples of `step`; labels (n,); the ellipse has full semi-axes
     2 sqrt(eigenvalue), that is d^T C^-1 d <= 4, and is counted inside the picture only.
@@ -79,7 +79,7 @@ def _ellipse_pixels(centre: Floats, inverse: Floats, size: tuple[int, int], step
 
 
 def undistort_moments(camera: Camera, fit: Moments) -> Moments:
-    """The ellipses as a detector would find them in the undistorted picture.
+    """Move ellipses to where they are in the undistorted picture.
 
     Four points a cluster, centre +- sqrt(2) sigma along each axis, are undistorted and weighted
     with the area that a pixel there becomes; their mean and covariance are exact to second order in

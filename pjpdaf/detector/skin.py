@@ -69,7 +69,7 @@ def skin_mask(hsv: np.ndarray, skin: SkinRange) -> np.ndarray:
 
 
 def _hue_intervals(skin: SkinRange) -> list[tuple[int, int]]:
-    """The range as one or two intervals of whole hue steps within 0..255."""
+    """Split the range into one or two intervals of whole hue steps within 0..255."""
     if skin.hue_span_deg >= 360.0:
         return [(0, 255)]
     # A rounding guard: 90 deg is exactly step 64 and must be inside (90, 100).

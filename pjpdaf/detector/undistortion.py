@@ -16,7 +16,7 @@ Maps = tuple[np.ndarray, np.ndarray]  # fixed-point maps for cv2.remap
 
 
 class Undistortion(Protocol):
-    """Where on the way from picture to centres the lens is taken out."""
+    """The stage between picture and centres at which the lens is taken out."""
 
     def maps(self, camera: Camera) -> Maps | None:
         """Maps that resample the picture before detection; None leaves it as it is."""
@@ -30,7 +30,7 @@ class Undistortion(Protocol):
 @final
 @dataclass(frozen=True)
 class UndistortPoints:
-    """The centres only: cheap and exact."""
+    """Undistortion of the centres only: cheap and exact."""
 
     def maps(self, camera: Camera) -> Maps | None:
         """Return None."""
@@ -44,7 +44,7 @@ class UndistortPoints:
 @final
 @dataclass(frozen=True)
 class UndistortPicture:
-    """The whole picture, as in the thesis (Calibration Toolbox)."""
+    """Undistortion of the whole picture, as in the thesis (Calibration Toolbox)."""
 
     def maps(self, camera: Camera) -> Maps | None:
         """Return maps to the ideal pinhole with the same K; None for a lens without distortion."""

@@ -11,7 +11,7 @@ FARTHEST_M = 1e6  # beyond this is no place, but a filter that has diverged
 
 
 def fault_of_estimates(answer: object) -> str:
-    """Why this cannot be scored, "" where it can: no `Estimates`, other targets, infinite numbers.
+    """Reason why this cannot be scored, or "": no `Estimates`, other targets, infinite numbers.
 
     NaN is a target without a place, and scored as missed.
     """
@@ -30,7 +30,7 @@ def fault_of_estimates(answer: object) -> str:
 
 
 def fault_of_step(answer: object) -> str:
-    """As `fault_of_estimates`, of the pair (state, Estimates) that a tracker's `step` returns."""
+    """Reason why the (state, Estimates) of a tracker's `step` cannot be used, or ""."""
     if not (isinstance(answer, tuple) and len(answer) == 2):
         return f"must return (state, Estimates), returns {_type_name(answer)}"
     if answer[0] is None:
@@ -39,7 +39,7 @@ def fault_of_step(answer: object) -> str:
 
 
 def fault_of_detections(answer: object, views: int) -> str:
-    """Why a tracker cannot be given this, "" where it can. views: number of cameras."""
+    """Reason why a tracker cannot be given this, or "". views: number of cameras."""
     if not (isinstance(answer, tuple) and all(isinstance(view, Detections) for view in answer)):
         return f"must give a tuple of Detections, gives {_type_name(answer)}"
     if len(answer) != views:

@@ -53,7 +53,7 @@ class CheckedTracker:
 
 @dataclass(frozen=True)
 class CheckedDetector:
-    """A `Detector`, as `CheckedTracker`. views: number of cameras."""
+    """A `Detector`, named in its faults; methods raise PlugInFault. views: number of cameras."""
 
     name: str
     detector: Detector

@@ -18,7 +18,7 @@ LONGEST_LIMIT_S = 3600.0
 
 
 def check_named(kind: str, name: str, limit_s: float = LIMIT_S) -> tuple[str, ...]:
-    """Faults of a plug-in by name: an entry point, or module:factory. kind: tracker, detector.
+    """Check a plug-in by name: an entry point, or module:factory. kind: tracker, detector.
 
     Raises BenchError for another kind, NoSuchPlugIn for a name that is not there.
     """
@@ -34,7 +34,7 @@ def check_named(kind: str, name: str, limit_s: float = LIMIT_S) -> tuple[str, ..
 
 
 def check_tracker(factory: Factory, limit_s: float = LIMIT_S) -> tuple[str, ...]:
-    """All faults of a tracker, none where it keeps to the protocol.
+    """Check a tracker; returns all faults, none where it keeps to the protocol.
 
     limit_s: time that a call may take [s]. A call that hangs leaves its thread behind.
     """
@@ -42,5 +42,5 @@ def check_tracker(factory: Factory, limit_s: float = LIMIT_S) -> tuple[str, ...]
 
 
 def check_detector(factory: Factory, limit_s: float = LIMIT_S) -> tuple[str, ...]:
-    """All faults of a detector, as `check_tracker`."""
+    """Check a detector, as `check_tracker`."""
     return Probe(limit_s).run(partial(detector_check.check, factory))

@@ -31,7 +31,7 @@ _LIBRARIES = (sysconfig.get_path("stdlib"), sysconfig.get_path("purelib"), "<")
 
 
 class PlugInError(BenchError):
-    """A detector or tracker that cannot be found, imported or built."""
+    """A detector or tracker that cannot be loaded or built."""
 
 
 class NoSuchPlugIn(PlugInError):
@@ -134,7 +134,7 @@ def _factory(kind: str, group: str, name: str) -> Factory:
 
 
 def _entry_point(kind: str, group: str, name: str) -> object | None:
-    """The object of an installed entry point, None where there is no such entry point."""
+    """Load an installed entry point; None where there is no such entry point."""
     for point in entry_points(group=group):
         if point.name == name:
             try:
@@ -147,7 +147,7 @@ def _entry_point(kind: str, group: str, name: str) -> object | None:
 
 
 def _attribute(kind: str, group: str, name: str) -> object:
-    """The object that 'module:factory' names."""
+    """Import the object that 'module:factory' names."""
     module_name, colon, attribute = name.partition(":")
     if not colon:
         raise NoSuchPlugIn(

@@ -182,7 +182,7 @@ def _check_hard_frames(tracker: AnyTracker, probe: Probe) -> None:
 
 
 def _frozen(state: Any) -> bytes | str:
-    """A copy to compare with; a state that cannot be pickled is compared by its text."""
+    """Bytes of a state to compare with, its text where it cannot be pickled."""
     try:
         return pickle.dumps(state)
     except Exception:

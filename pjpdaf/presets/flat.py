@@ -73,7 +73,7 @@ def flat_values(record: DetectorParameters | TrackerParameters) -> dict[str, Any
 
 
 def _word(name: str, value: object) -> object:
-    """A variant's word, or its description if it has none; any other value as it is."""
+    """Return a variant's word, its description if it has none; any other value as it is."""
     if name not in VARIANTS:
         return value
     words = (word for word, variant in VARIANTS[name].items() if variant == value)
@@ -81,7 +81,7 @@ def _word(name: str, value: object) -> object:
 
 
 def replaced(record: Any, values: Mapping[tuple[str, ...], object]) -> Any:
-    """A copy of nested records with other values at these paths, all changed at once."""
+    """Copy nested records with other values at these paths, all changed at once."""
     below: dict[str, dict[tuple[str, ...], object]] = {}
     changed: dict[str, object] = {}
     for (name, *rest), value in values.items():

@@ -16,7 +16,7 @@ from pjpdaf.tracker.parameters import TrackerParameters
 
 
 def with_values(record: Parameters, values: Mapping[str, object]) -> Parameters:
-    """A copy with some parameters changed, by flat name; texts are read as the parameter's type.
+    """Copy a record with parameters changed, by flat name; texts are read as the parameter's type.
 
     Raises BadParameter.
     """
@@ -33,7 +33,7 @@ def with_values(record: Parameters, values: Mapping[str, object]) -> Parameters:
 
 
 def override(preset: Preset, values: Mapping[str, object]) -> Preset:
-    """A preset with KEY=VALUE changes, e.g. {'p_detect': '0.8', 'detector.min_area_px': '150'}.
+    """Change a preset by KEY=VALUE, e.g. {'p_detect': '0.8', 'detector.min_area_px': '150'}.
 
     A key is a flat name, or one with 'detector.' or 'tracker.' before it. Raises BadParameter with
     the choices and the nearest name.
@@ -62,7 +62,7 @@ _TRUE, _FALSE = ("true", "yes", "on", "1"), ("false", "no", "off", "0")
 
 
 def _read(key: str, value: object, kind: Any) -> Any:
-    """`value`, possibly text, as `kind`: a variant, bool, int, float or a tuple of floats."""
+    """Read a value, possibly text, as `kind`: a variant, bool, int, float or a tuple of floats."""
     if key in VARIANTS:
         variants = VARIANTS[key]
         if isinstance(value, str) and value in variants:

@@ -52,7 +52,7 @@ def _bits(number: int) -> list[int]:
 def association_probabilities(
     likelihood: ArrayLike, gated: ArrayLike, p_detect: ArrayLike, clutter: float
 ) -> Floats:
-    """Association weights beta of Eq. 3.33-3.34 in one view, (m + 1, T); row 0: not detected.
+    """Return the weights beta of Eq. 3.33-3.34 in one view, (m + 1, T); row 0: not detected.
 
     likelihood (m, T): N of Eq. 3.32, in the unit of `clutter`, the C of Eq. 3.32; gated (m, T);
     p_detect a number or (T,), 0..1. Exact: the sum over all feasible events is a recursion over
@@ -168,7 +168,7 @@ def _by_matrices(L: Floats, C: Floats, PD: Floats) -> Floats:
 
 
 def _linear(L: Floats, C: Floats, PD: Floats) -> Floats:
-    """As `_by_matrices` for many targets: O(m 2^T T)."""
+    """Weights (m, T) as `_by_matrices`, for many targets: O(m 2^T T)."""
     m, T = L.shape
     without, joined, member = _subsets(T)
     size = 1 << T
@@ -190,7 +190,7 @@ def _linear(L: Floats, C: Floats, PD: Floats) -> Floats:
 
 
 def _logarithmic(L: Floats, C: Floats, PD: Floats) -> Floats:
-    """As `_linear` in logarithms: slower, and safe for any spread of the factors."""
+    """Weights (m, T) as `_linear`, in logarithms: slower, and safe for any spread of factors."""
     m, T = L.shape
     without, joined, member = _subsets(T)
     size = 1 << T

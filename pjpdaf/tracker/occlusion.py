@@ -23,7 +23,7 @@ class OcclusionRule(Protocol):
 @final
 @dataclass(frozen=True)
 class SharedMeasurement:
-    """A measurement lies in the gates of two targets: the rule as printed."""
+    """Rule as printed: a measurement lies in the gates of two targets."""
 
     def __call__(self, gated: Bools, beta: Floats) -> Bools:
         """Return the targets with such a measurement in their gate, (T,)."""
@@ -33,7 +33,7 @@ class SharedMeasurement:
 @final
 @dataclass(frozen=True)
 class FewerMeasurements:
-    """A cluster of gates holds fewer measurements than targets, certain pairs apart.
+    """Rule: a cluster of gates holds fewer measurements than targets, certain pairs apart.
 
     certain: a measurement that a target holds with this weight is no merged blob; else a lost
     target, whose gate covers everything, would keep all others from their measurements.
@@ -55,7 +55,7 @@ class FewerMeasurements:
 @final
 @dataclass(frozen=True)
 class NoOcclusion:
-    """No view is ever left out."""
+    """Rule that leaves no view out."""
 
     def __call__(self, gated: Bools, beta: Floats) -> Bools:
         """Return all false, (T,)."""

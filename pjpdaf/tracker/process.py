@@ -14,7 +14,7 @@ from pjpdaf.tracker.thesis_units import FRAME_S, MM2, MM2_PER_FRAME2
 
 
 class NoiseGrowth(Protocol):
-    """How Q depends on the time step."""
+    """Dependence of Q on the time step."""
 
     def frames(self, dt_s: float, frame_s: float) -> float:
         """Multiple of the printed Q for a step of dt_s; frame_s: one frame of the thesis."""
@@ -24,7 +24,7 @@ class NoiseGrowth(Protocol):
 @final
 @dataclass(frozen=True)
 class PerFrame:
-    """The printed Q, whatever the time step."""
+    """The printed Q for any time step."""
 
     def frames(self, dt_s: float, frame_s: float) -> float:
         """Return 1."""

@@ -25,7 +25,7 @@ def homogeneous(state: Floats) -> Floats:
 
 
 def predict(state: Floats, P: Floats, F: Floats, Q: Floats) -> tuple[Floats, Floats]:
-    """One step ahead (Eq. 3.7-3.8, 3.35-3.36): state (T, 6), P (T, 6, 6) -> the same shapes."""
+    """Predict a step (Eq. 3.7-3.8, 3.35-3.36): state (T, 6), P (T, 6, 6) -> the same shapes."""
     return state @ F.T, F @ P @ F.T + Q
 
 

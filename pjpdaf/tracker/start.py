@@ -116,7 +116,7 @@ def _side(view: Detections, a: int, b: int) -> int:
 
 
 def head_of(view: Detections) -> int | None:
-    """The largest blob that has at least two others below it; None where there is none."""
+    """Return the largest blob with at least two others below it; None where there is none."""
     heights = view.centres_px[:, 1]
     at_top = [i for i in range(len(view)) if np.sum(heights > heights[i]) >= 2]
     return max(at_top, key=lambda i: float(view.areas_px[i]), default=None)
@@ -132,7 +132,7 @@ def _below(view: Detections, head: int | None) -> list[int]:
 def locate(
     cameras: tuple[Camera, ...], pixels: Floats, parameters: StartParameters
 ) -> Floats | None:
-    """A point of the world (3,) [m] from a pixel of each view (N, 2) (Eq. 3.45).
+    """Triangulate a point (3,) [m] from a pixel of each view (N, 2) (Eq. 3.45).
 
     None where the views do not agree: residual, depth (`start_residual_px`, `start_depth_m`).
     """

@@ -14,7 +14,7 @@ from pjpdaf.tracker.state import TrackState
 
 @dataclass(frozen=True)
 class StatusParameters:
-    """When a target is lost."""
+    """Limits beyond which a target is lost."""
 
     # Time without being located in two views [s].
     lost_after_s: float = 1.0

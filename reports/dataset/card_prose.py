@@ -126,11 +126,11 @@ def making(dataset: Dataset, command: Sequence[str]) -> str:
     return "\n\n".join(lines)
 
 
-def without_paths(words: Sequence[str]) -> list[str]:
+def without_paths(command: Sequence[str]) -> list[str]:
     """Strip a command of all that is of a machine: paths and the number of processes."""
     kept: list[str] = []
     skip = False
-    for word in words:
+    for word in command:
         option, _, value = word.partition("=")
         if skip or option in ("--jobs", "-j"):
             skip = not skip and not value

@@ -53,7 +53,7 @@ def compare(
     metrics = with_margins(margins or {})
     before, after = episode_values(base), episode_values(new)
     known = ~before["failed"].to_numpy(dtype=bool)
-    _check_yardstick(base, known)
+    _check_base_results(base, known)
     alpha = ALPHA / looks
     rng = np.random.default_rng(seed)
     judged: list[MetricVerdict] = []
@@ -66,8 +66,8 @@ def compare(
         judged.append(MetricVerdict(metric, "pass", was, is_now, difference, p))
         p_values += [] if metric.counted else [p]
     adjusted = iter(holm(p_values))
-    judged = [one if one.metric.counted else replace(one, p=next(adjusted)) for one in judged]
-    judged = [replace(one, verdict=_outcome(one, alpha)) for one in judged]
+    judged = [m if m.metric.counted else replace(m, p=next(adjusted)) for m in judged]
+    judged = [replace(m, verdict=_outcome(m, alpha)) for m in judged]
     return Verdict(
         base=base.name,
         new=new.name,
@@ -93,12 +93,12 @@ def _typical(metric: Metric, values: pd.DataFrame) -> float:
 def _changes(metric: Metric, before: pd.DataFrame, after: pd.DataFrame) -> Floats:
     """Per episode, new - base, within reach."""
     old, now = (v[metric.name].to_numpy(dtype=np.float64) for v in (before, after))
-    # A failure that is cured does not make up for one that is new.
+    # A cured failure does not make up for a new failure.
     least = 0.0 if metric.counted else -metric.reach
     return np.asarray(np.clip(now - old, least, metric.reach))
 
 
-def _check_yardstick(base: SavedRun, known: np.ndarray) -> None:
+def _check_base_results(base: SavedRun, known: np.ndarray) -> None:
     absent = int((~known).sum())
     # Seeds that cannot be posed fail in both; they are no fault of the machine.
     rows = base.episodes[base.episodes["failure"] != ""]
@@ -146,23 +146,23 @@ def _groups(
     out = []
     groups = before["group"].to_numpy()
     for group in sorted(set(groups.tolist())):
-        for one in judged:
-            rows = (groups == group) & (known | one.metric.counted)
+        for verdict in judged:
+            rows = (groups == group) & (known | verdict.metric.counted)
             if not rows.any():
                 continue
             old, now = before[rows], after[rows]
             group_difference = GroupDifference(
                 group=group,
-                metric=one.metric,
+                metric=verdict.metric,
                 verdict="pass",
-                base=_typical(one.metric, old),
-                new=_typical(one.metric, now),
-                difference=float(_changes(one.metric, old, now).mean()),
+                base=_typical(verdict.metric, old),
+                new=_typical(verdict.metric, now),
+                difference=float(_changes(verdict.metric, old, now).mean()),
                 episodes=int(rows.sum()),
             )
             out.append(
                 replace(
-                    group_difference, verdict=one.verdict if group_difference.beyond else "pass"
+                    group_difference, verdict=verdict.verdict if group_difference.beyond else "pass"
                 )
             )
     return tuple(out)
@@ -173,7 +173,7 @@ def _worst(
 ) -> tuple[EpisodeDifference, ...]:
     """The episodes that got worse, the worst first: new events before grown errors."""
     events = [metric.name for metric in METRICS if metric.event]
-    found = []
+    worse = []
     for key, old, now in zip(
         before.index, before.to_dict("records"), after.to_dict("records"), strict=True
     ):
@@ -182,6 +182,6 @@ def _worst(
         grown = float(now["error_mm"] - old["error_mm"])
         if new_events or grown > 0:
             replay = replay_command(meta, name, seed)
-            found.append(EpisodeDifference(name, seed, grown, new_events, replay))
-    found.sort(key=lambda e: (-len(e.events), -e.error_mm, e.scenario, e.seed))
-    return tuple(found[:MOST_WORST])
+            worse.append(EpisodeDifference(name, seed, grown, new_events, replay))
+    worse.sort(key=lambda e: (-len(e.events), -e.error_mm, e.scenario, e.seed))
+    return tuple(worse[:MOST_WORST])

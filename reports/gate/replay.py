@@ -15,19 +15,19 @@ def replay_command(meta: Mapping[str, Any], name: str, seed: int) -> str:
     request = meta.get("request")
     if not request:
         return ""
-    words = ["pjpdaf-bench", "run", *request["targets"]]
-    words += ["--only", name, "--first-seed", str(seed), "--seeds", "1"]
-    words += system_options(meta)
-    return shlex.join(words)
+    command = ["pjpdaf-bench", "run", *request["targets"]]
+    command += ["--only", name, "--first-seed", str(seed), "--seeds", "1"]
+    command += system_options(meta)
+    return shlex.join(command)
 
 
 def system_options(meta: Mapping[str, Any]) -> list[str]:
     """The options of `run` that name the system under test, from run.json."""
-    words: list[str] = []
+    command: list[str] = []
     preset = str(meta["preset"])
-    words += ["--preset", preset] if preset != "thesis" else []
+    command += ["--preset", preset] if preset != "thesis" else []
     for part in ("detector", "tracker"):
-        words += [f"--{part}", str(meta[part])] if meta[part] != preset else []
+        command += [f"--{part}", str(meta[part])] if meta[part] != preset else []
     for pair in meta["request"]["settings"]:
-        words += ["--set", str(pair)]
-    return words
+        command += ["--set", str(pair)]
+    return command

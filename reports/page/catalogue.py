@@ -37,14 +37,14 @@ class ScenarioCard:
     @property
     def length(self) -> str:
         """Frames and rate, such as "150 frames at 3 a second"."""
-        words = f"{self.frames} frames at {self.fps:g} a second"
+        text = f"{self.frames} frames at {self.fps:g} a second"
         if self.rates:
-            words += f", played at {', '.join(f'{rate:g}' for rate in self.rates)} a second"
-        return words
+            text += f", played at {', '.join(f'{rate:g}' for rate in self.rates)} a second"
+        return text
 
     @property
     def alt(self) -> str:
-        """The picture in words, for readers who do not see it."""
+        """The picture in text, for readers who do not see it."""
         return f"Left and right view of {self.name}, {self.caption}"
 
 

@@ -96,5 +96,5 @@ def _rows_of(run: SavedRun) -> dict[Key, list[Mapping[Any, Any]]]:
 def _flags(events: pd.DataFrame) -> str:
     """Kinds of failure of an episode in words."""
     kinds = set(events["kind"])
-    words = {"swap": "swapped", "lost": "lost", "capture": "captured"}
-    return ", ".join(word for kind, word in words.items() if kind in kinds)
+    texts = {"swap": "swapped", "lost": "lost", "capture": "captured"}
+    return ", ".join(text for kind, text in texts.items() if kind in kinds)

@@ -1,4 +1,4 @@
-"""A frame's two views as one small plain picture: what the page's player draws upon."""
+"""A frame's two views as one small plain picture: the page's player draws upon it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def still(frame: StereoFrame, cameras: Sequence[Camera]) -> bytes:
     """Encode all views of a frame side by side, each `VIEW_WIDTH_PX` wide, as WebP.
 
     Undistorted, so that detections and projections lie on it as they are. Nothing is drawn in; a
-    missing picture is grey and says so.
+    missing picture is grey with a note.
     """
     views = []
     for picture, camera in zip(frame.pictures, cameras, strict=True):

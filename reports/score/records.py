@@ -1,4 +1,4 @@
-"""What a played episode hands over to be scored: frozen, picklable, nothing computed."""
+"""Records of a played episode before it is scored: frozen, picklable, nothing computed."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from sim.truth import Truth
 
 VIEWS = ("left", "right")
 STAGES = ("render", "detect", "track")
-# Levels of the error budget, each with one more cause of error than the one before.
+# Levels of the error budget, each with one more cause of error than the level before.
 BUDGET_LEVELS = ("grid", "surface", "detector", "filter", "association")
 
 
 @dataclass(frozen=True, eq=False)
 class FrameOutcome:
-    """One frame: what was true, what the tracker said, what the detector saw.
+    """A frame: truth, the tracker's estimates, the detector's detections.
 
     detections: per view, may be empty; stage_s: wall time of a stage of `STAGES` [s].
     """
@@ -33,7 +33,7 @@ class FrameOutcome:
 
 @dataclass(frozen=True)
 class OverlayPicture:
-    """Both views of a frame side by side, all drawn in by `overlay.overlay_jpeg`."""
+    """Both views of a frame with overlays, a JPEG of `overlay.overlay_jpeg`."""
 
     frame: int
     jpeg: bytes
@@ -41,7 +41,7 @@ class OverlayPicture:
 
 @dataclass(frozen=True)
 class Still:
-    """Both views of a frame, small and plain, by `stills.still`."""
+    """Both views of a frame, small and plain, a WebP of `stills.still`."""
 
     frame: int
     webp: bytes
@@ -49,7 +49,7 @@ class Still:
 
 @dataclass(frozen=True, eq=False)
 class Episode:
-    """One scenario played with one seed.
+    """A scenario played with one seed.
 
     cameras: left, right, as the cameras really are; frames in order, at least one;
     digest: of the concrete scenario; values: its drawn parameters; redrawn: how many draws of this
@@ -82,8 +82,8 @@ class Episode:
         if not self.fps > 0:
             raise ValueError(f"{name}: fps must be > 0, got {self.fps}")
         for outcome in self.frames:
-            truth, said = outcome.truth, outcome.estimates
-            if len(truth.centres_m) != len(TARGETS) or len(said.status) != len(TARGETS):
+            truth, status = outcome.truth, outcome.estimates.status
+            if len(truth.centres_m) != len(TARGETS) or len(status) != len(TARGETS):
                 raise ValueError(f"{name} frame {truth.index} must have {len(TARGETS)} targets")
             if len(truth.views) != len(VIEWS):
                 raise ValueError(f"{name} frame {truth.index} must have {len(VIEWS)} views")

@@ -20,7 +20,7 @@ from reports.summary.text import ALL, LABELS, count, number, percent
 
 @dataclass(frozen=True)
 class SummaryRow:
-    """One target in one scenario ("all" pools them). Ratios are of ALL frames, waiting ones too.
+    """One target in one scenario ("all" pools them). Ratios are of ALL frames, waiting frames too.
 
     median_mm, p90_mm: 3-D error against the centre, err_acc_px: median of Eq. 4.1; a frame without
     an estimate counts as infinite. within_50, within_100, merged_within_100: shares 0-1, NaN
@@ -108,7 +108,7 @@ def summarise(run: SavedRun) -> Summary:
 
 
 def verdict(summary: Summary) -> str:
-    """What happened, in one line."""
+    """The outcome of a run in one line."""
     overall = summary.overall
     if overall.frames == 0:
         return f"{overall.episodes} episodes, none with a result."

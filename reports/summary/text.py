@@ -9,7 +9,7 @@ LABELS = {"head": "head", "right_hand": "right hand", "left_hand": "left hand", 
 
 
 def number(value: float) -> str:
-    """Three figures; "∞" for more silence than numbers, "-" for nothing to measure."""
+    """Three figures; "∞" where most frames lack an estimate, "-" without any frame."""
     if math.isnan(value):
         return "-"
     if math.isinf(value):

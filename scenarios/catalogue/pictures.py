@@ -10,7 +10,7 @@ from rich.console import Console
 from pjpdaf.arrays import Image
 from pjpdaf.errors import BenchError, InfrastructureError
 from reports.pictures.overlay import LETTERS
-from reports.pictures.truth_overlay import merged_words, thumbnail
+from reports.pictures.truth_overlay import merged_text, thumbnail
 from scenarios.catalogue.film import target_labels
 from scenarios.catalogue.frame_choice import hardest_frame, truths_without_pictures
 from scenarios.console.progress import progress_bar
@@ -99,7 +99,7 @@ def _first_performance(scenario: Scenario) -> Performance:
 def caption(truth: Truth) -> str:
     """Describe a frame: number, time, events, merged and invisible targets."""
     phrases = [f"frame {truth.index} ({truth.time_s:.1f} s)", *truth.script_events]
-    for state, names_of in (("merged", merged_words), ("unseen", _unseen_names)):
+    for state, names_of in (("merged", merged_text), ("unseen", _unseen_names)):
         left, right = map(names_of, truth.views)
         if left == right:
             phrases += [f"{left} {state} in both views"] if left else []
