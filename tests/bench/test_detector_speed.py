@@ -57,8 +57,8 @@ def test_one_picture(benchmark, detector, change):
     parameters = with_values(detector.parameters, change)
     variant = dataclasses.replace(detector, parameters=parameters)
     frame = StereoFrame(0, 0.0, (picture(99, True),))
-    (found,) = benchmark(variant, frame)
-    assert len(found) >= 3
+    (blobs,) = benchmark(variant, frame)
+    assert len(blobs) >= 3
 
 
 @pytest.mark.benchmark(group="detector, learning")

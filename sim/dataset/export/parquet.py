@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
 
-from pjpdaf.camera import Camera
 from pjpdaf.errors import FileError
 from pjpdaf.targets import TARGETS
 from sim.dataset.export.export import AddSequence, Export, file_bytes
@@ -34,50 +33,98 @@ _VECTOR, _NUMBERS, _TEXTS = pa.list_(_F), pa.list_(_I), pa.list_(_S)
 _TABLE = pa.list_(_VECTOR)
 
 
-def _view_columns(camera: str) -> list[tuple[str, pa.DataType]]:
+def _vector(row: FrameRow, name: str) -> list[float]:
+    return [_number(row[name.format(axis)]) for axis in "xyz"]
+
+
+def _box(row: FrameRow, camera: str, prefix: str) -> list[float]:
+    return box_of(row, camera, prefix) or [math.nan] * 4
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
+
+
+def _targets(value: Callable[[FrameRow], Any]) -> Callable[[FrameRows], list[Any]]:
+    """A list over the targets of a frame."""
+    return lambda frame: [value(row) for row in frame.targets]
+
+
+def _keypoints(name: str, value: Callable[[Any], Any]) -> Callable[[FrameRows], list[Any]]:
+    """A list over the keypoints of all targets of a frame."""
+    return lambda frame: [value(entry) for row in frame.targets for entry in row[name]]
+
+
+def _objects(value: Callable[[FrameRow], Any]) -> Callable[[FrameRows], list[Any]]:
+    """A list over the objects of a frame."""
+    return lambda frame: [value(row) for row in frame.objects]
+
+
+Column = tuple[str, pa.DataType, Callable[[FrameRows], Any]]  # name, type, value of a frame
+_FRAME_COLUMNS: list[Column] = [
+    ("frame_index", _I, lambda frame: frame.index),
+    ("time_s", _F, lambda frame: frame.time_s),
+    ("stamp_s", _F, lambda frame: frame.stamp_s),
+    ("events", _TEXTS, lambda frame: frame.targets[0]["events"]),
+    ("positions_m", _TABLE, _targets(lambda row: _vector(row, "{}_m"))),
+    ("quaternions", _TABLE, _targets(lambda row: [row[q] for q in _QUATERNION])),
+    ("velocities_mps", _TABLE, _targets(lambda row: _vector(row, "v{}_mps"))),
+    ("surfaces_m", _TABLE, _targets(lambda row: _vector(row, "surface_{}_m"))),
+    ("keypoints_m", _TABLE, _keypoints("keypoints_m", lambda point: point)),
+    ("objects", _TEXTS, _objects(lambda row: row["object"])),
+    ("object_positions_m", _TABLE, _objects(lambda row: _vector(row, "{}_m"))),
+    ("object_quaternions", _TABLE, _objects(lambda row: [row[q] for q in _QUATERNION])),
+    ("object_velocities_mps", _TABLE, _objects(lambda row: _vector(row, "v{}_mps"))),
+]
+
+
+def _view_columns(c: str) -> list[Column]:
+    """The columns of a camera's view."""
+
+    def occluders(row: FrameRow, key: str) -> list[Any]:
+        return [by[key] for by in row[f"occluded_by_{c}"]]
+
+    def centroid(row: FrameRow) -> list[float]:
+        return [_number(row[f"{axis}_{c}_px"]) for axis in "uv"]
+
+    def merged(row: FrameRow) -> list[bool]:
+        return [other in row[f"merged_with_{c}"] for other in TARGETS]
+
+    points, status = f"keypoints_{c}_px", f"keypoint_status_{c}"
     return [
-        (f"boxes_{camera}_px", _TABLE),
-        (f"amodal_boxes_{camera}_px", _TABLE),
-        (f"centroids_{camera}_px", _TABLE),
-        (f"visible_{camera}_px", _NUMBERS),
-        (f"amodal_{camera}_px", _NUMBERS),
-        (f"visible_fractions_{camera}", _VECTOR),
-        (f"truncations_{camera}", _VECTOR),
-        (f"merged_{camera}", pa.list_(pa.list_(_B))),
-        (f"occluders_{camera}", pa.list_(_TEXTS)),
-        (f"occluded_{camera}_px", pa.list_(_NUMBERS)),
-        (f"keypoints_{camera}_px", _TABLE),
-        (f"keypoint_status_{camera}", _NUMBERS),
-        (f"object_visible_{camera}_px", _NUMBERS),
-        *(
-            (f"{kind}_{name}_{camera}", _VECTOR if name in ("t_cw", "distortion") else _TABLE)
-            for kind in ("camera", "calibration")
-            for name in ("K", "R_cw", "t_cw", "distortion")
-        ),
+        (f"boxes_{c}_px", _TABLE, _targets(lambda row: _box(row, c, ""))),
+        (f"amodal_boxes_{c}_px", _TABLE, _targets(lambda row: _box(row, c, "amodal_"))),
+        (f"centroids_{c}_px", _TABLE, _targets(centroid)),
+        (f"visible_{c}_px", _NUMBERS, _targets(lambda row: row[f"visible_{c}_px"])),
+        (f"amodal_{c}_px", _NUMBERS, _targets(lambda row: row[f"amodal_{c}_px"])),
+        (f"visible_fractions_{c}", _VECTOR, _targets(lambda row: row[f"visible_fraction_{c}"])),
+        (f"truncations_{c}", _VECTOR, _targets(lambda row: row[f"truncation_{c}"])),
+        (f"merged_{c}", pa.list_(pa.list_(_B)), _targets(merged)),
+        (f"occluders_{c}", pa.list_(_TEXTS), _targets(lambda row: occluders(row, "instance"))),
+        (f"occluded_{c}_px", pa.list_(_NUMBERS), _targets(lambda row: occluders(row, "pixels"))),
+        (points, _TABLE, _keypoints(points, lambda point: [_number(x) for x in point])),
+        (status, _NUMBERS, _keypoints(status, lambda state: state)),
+        (f"object_visible_{c}_px", _NUMBERS, _objects(lambda row: row[f"visible_{c}_px"])),
     ]
 
 
-_COLUMNS: list[tuple[str, pa.DataType]] = [
+_VIEW_COLUMNS = {camera: _view_columns(camera) for camera in CAMERAS}
+_CAMERA_PARTS = {"K": _TABLE, "R_cw": _TABLE, "t_cw": _VECTOR, "distortion": _VECTOR}
+_SCHEMA_COLUMNS: list[tuple[str, pa.DataType]] = [
     *((camera, _PICTURE) for camera in CAMERAS),
     ("sequence", _S),
     ("scenario", _S),
     ("group", _S),
     ("seed", _I),
-    ("frame_index", _I),
-    ("time_s", _F),
-    ("stamp_s", _F),
-    ("events", _TEXTS),
-    ("positions_m", _TABLE),
-    ("quaternions", _TABLE),
-    ("velocities_mps", _TABLE),
-    ("surfaces_m", _TABLE),
-    ("keypoints_m", _TABLE),
-    ("objects", _TEXTS),
-    ("object_positions_m", _TABLE),
-    ("object_quaternions", _TABLE),
-    ("object_velocities_mps", _TABLE),
-    *(column for camera in CAMERAS for column in _view_columns(camera)),
+    *((name, kind) for name, kind, _ in _FRAME_COLUMNS),
 ]
+for _camera, _columns in _VIEW_COLUMNS.items():
+    _SCHEMA_COLUMNS += [(name, kind) for name, kind, _ in _columns]
+    _SCHEMA_COLUMNS += [
+        (f"{rig}_{part}_{_camera}", kind)
+        for rig in ("camera", "calibration")
+        for part, kind in _CAMERA_PARTS.items()
+    ]
 
 
 def _feature(kind: pa.DataType) -> dict[str, Any]:
@@ -89,8 +136,8 @@ def _feature(kind: pa.DataType) -> dict[str, Any]:
     return {"dtype": {"double": "float64"}.get(str(kind), str(kind)), "_type": "Value"}
 
 
-_FEATURES = {name: _feature(kind) for name, kind in _COLUMNS}
-SCHEMA = pa.schema(_COLUMNS).with_metadata(
+_FEATURES = {name: _feature(kind) for name, kind in _SCHEMA_COLUMNS}
+SCHEMA = pa.schema(_SCHEMA_COLUMNS).with_metadata(
     {"huggingface": json.dumps({"info": {"features": _FEATURES}})}
 )
 
@@ -101,12 +148,15 @@ def exporter(most_bytes: int = FILE_BYTES) -> Export:
     A file ends with the row group in which it reaches most_bytes.
     """
 
+    columns = [*_FRAME_COLUMNS, *(column for view in _VIEW_COLUMNS.values() for column in view)]
+
     @contextmanager
     def write_parquet(dataset: Dataset, folder: Path) -> Iterator[AddSequence]:
         def add(sequence: StoredSequence) -> None:
             common = _common(dataset, sequence)
             for frame in read_frame_rows(sequence):
-                files.add({**common, **_pictures(sequence, frame), **_frame_columns(frame)})
+                labels = {name: value(frame) for name, _, value in columns}
+                files.add({**common, **_pictures(sequence, frame), **labels})
 
         with closing(ParquetFiles(folder, SCHEMA, most_bytes)) as files:
             yield add
@@ -126,12 +176,10 @@ def _common(dataset: Dataset, sequence: StoredSequence) -> dict[str, Any]:
             raise FileError(path, f"sequences: {sequence.name}: {key} must be {kind.__name__}")
     for kind_, rig in (("camera", sequence.rig), ("calibration", sequence.calibration)):
         for name, camera in zip(CAMERAS, rig.cameras, strict=True):
-            row |= {f"{kind_}_{part}_{name}": value for part, value in _numbers(camera).items()}
+            row |= {
+                f"{kind_}_{part}_{name}": getattr(camera, part).tolist() for part in _CAMERA_PARTS
+            }
     return row
-
-
-def _numbers(camera: Camera) -> dict[str, Any]:
-    return {name: getattr(camera, name).tolist() for name in ("K", "R_cw", "t_cw", "distortion")}
 
 
 def _pictures(sequence: StoredSequence, frame: FrameRows) -> dict[str, Any]:
@@ -144,63 +192,3 @@ def _pictures(sequence: StoredSequence, frame: FrameRows) -> dict[str, Any]:
             else None
         )
     return row
-
-
-def _frame_columns(frame: FrameRows) -> dict[str, Any]:
-    """The columns that the frame's rows of the tables give."""
-    targets, objects = frame.targets, frame.objects
-    columns: dict[str, Any] = {
-        "frame_index": frame.index,
-        "time_s": frame.time_s,
-        "stamp_s": frame.stamp_s,
-        "events": targets[0]["events"],
-        "positions_m": [_vector(row, "{}_m") for row in targets],
-        "quaternions": [[row[q] for q in _QUATERNION] for row in targets],
-        "velocities_mps": [_vector(row, "v{}_mps") for row in targets],
-        "surfaces_m": [_vector(row, "surface_{}_m") for row in targets],
-        "keypoints_m": [point for row in targets for point in row["keypoints_m"]],
-        "objects": [row["object"] for row in objects],
-        "object_positions_m": [_vector(row, "{}_m") for row in objects],
-        "object_quaternions": [[row[q] for q in _QUATERNION] for row in objects],
-        "object_velocities_mps": [_vector(row, "v{}_mps") for row in objects],
-    }
-    for camera in CAMERAS:
-        occluders = [row[f"occluded_by_{camera}"] for row in targets]
-        columns |= {
-            f"boxes_{camera}_px": [_box(row, camera, "") for row in targets],
-            f"amodal_boxes_{camera}_px": [_box(row, camera, "amodal_") for row in targets],
-            f"centroids_{camera}_px": [
-                [_known(row[f"{axis}_{camera}_px"]) for axis in "uv"] for row in targets
-            ],
-            f"visible_{camera}_px": [row[f"visible_{camera}_px"] for row in targets],
-            f"amodal_{camera}_px": [row[f"amodal_{camera}_px"] for row in targets],
-            f"visible_fractions_{camera}": [row[f"visible_fraction_{camera}"] for row in targets],
-            f"truncations_{camera}": [row[f"truncation_{camera}"] for row in targets],
-            f"merged_{camera}": [
-                [other in row[f"merged_with_{camera}"] for other in TARGETS] for row in targets
-            ],
-            f"occluders_{camera}": [[by["instance"] for by in listed] for listed in occluders],
-            f"occluded_{camera}_px": [[by["pixels"] for by in listed] for listed in occluders],
-            f"keypoints_{camera}_px": [
-                [_known(value) for value in point]
-                for row in targets
-                for point in row[f"keypoints_{camera}_px"]
-            ],
-            f"keypoint_status_{camera}": [
-                status for row in targets for status in row[f"keypoint_status_{camera}"]
-            ],
-            f"object_visible_{camera}_px": [row[f"visible_{camera}_px"] for row in objects],
-        }
-    return columns
-
-
-def _vector(row: FrameRow, name: str) -> list[float]:
-    return [_known(row[name.format(axis)]) for axis in "xyz"]
-
-
-def _box(row: FrameRow, camera: str, prefix: str) -> list[float]:
-    return box_of(row, camera, prefix) or [math.nan] * 4
-
-
-def _known(value: float | None) -> float:
-    return math.nan if value is None else value

@@ -17,7 +17,7 @@ def clustered(seen: Segments, **options):
     return cluster(seen, ClusterParameters(**({"subsample": 1} | options)))
 
 
-def found(mask: np.ndarray, **options) -> Moments:
+def fit_clusters(mask: np.ndarray, **options) -> Moments:
     seen = segments(mask, 150, True)
     labels = clustered(seen, **options)
     return moments(seen.points, labels, int(labels.max()) + 1)
@@ -28,7 +28,7 @@ def found(mask: np.ndarray, **options) -> Moments:
 @pytest.mark.parametrize("n", [1, 2, 3])
 def test_separate_blobs_are_counted(n, subsample, compete):
     shapes = (HEAD, *HANDS)[:n]
-    fit = found(drawn(*shapes), subsample=subsample, components_compete=compete)
+    fit = fit_clusters(drawn(*shapes), subsample=subsample, components_compete=compete)
     assert len(fit) == n
     for shape in shapes:
         nearest = np.linalg.norm(fit.centres - shape[:2], axis=1).min()
@@ -40,7 +40,7 @@ def test_merged_hands_are_split_in_two():
     shapes = ((250.0, 300.0, 34.0, 14.0, 0.0), (305.0, 300.0, 34.0, 14.0, 0.2), HEAD)
     mask = drawn(*shapes)
     assert segments(mask, 150, True).count == 2
-    fit = found(mask)
+    fit = fit_clusters(mask)
     assert len(fit) == 3
     for shape in shapes:
         assert np.linalg.norm(fit.centres - shape[:2], axis=1).min() < 6
@@ -52,10 +52,10 @@ def test_a_hand_by_the_head_keeps_its_pixels():
     """
     hand = (310.3, 105.6 + 45 + 15 + 18, 22.0, 18.0, 0.0)
     mask = drawn(HEAD, hand, HANDS[0])
-    fit = found(mask, subsample=16, components_compete=True)
+    fit = fit_clusters(mask, subsample=16, components_compete=True)
     assert len(fit) == 3
     assert np.linalg.norm(fit.centres - hand[:2], axis=1).min() < 0.1
-    alone = found(mask, subsample=16, components_compete=False)
+    alone = fit_clusters(mask, subsample=16, components_compete=False)
     assert len(alone) != 3
 
 
@@ -133,5 +133,5 @@ def test_a_thick_lattice_is_thinned_until_every_blob_has_pixels():
     tiny = drawn(HEAD, (50.0, 400.0, 2.0, 2.0, 0.0))
     seen = segments(tiny, 5, False)
     assert seen.count == 2
-    fit = found(tiny, subsample=400)
+    fit = fit_clusters(tiny, subsample=400)
     assert len(fit) >= 1

@@ -84,27 +84,27 @@ def test_head_and_hands_are_found_at_their_centres(preset):
     seen = learnt(PRESETS[preset].detector)
     rng = np.random.default_rng(0)
     for _ in range(3):
-        (found,) = seen(frame(picture(rng, shade=1.0)))
-        assert len(found) == 3
+        (blobs,) = seen(frame(picture(rng, shade=1.0)))
+        assert len(blobs) == 3
         for shape in SHAPES:
             # The drawn rim is noisy, and opening and closing move it: a fifth of a pixel.
-            assert nearest(found, shape) < 0.2
+            assert nearest(blobs, shape) < 0.2
 
 
 def test_the_record_is_complete(detector):
-    (found,) = detector(frame(picture(np.random.default_rng(1))))
-    order = np.argsort(found.centres_px[:, 1])
+    (blobs,) = detector(frame(picture(np.random.default_rng(1))))
+    order = np.argsort(blobs.centres_px[:, 1])
     for i, (_, _, a, b) in zip(order, SHAPES, strict=True):
-        assert found.areas_px[i] == pytest.approx(np.pi * a * b, rel=0.03)
-        np.testing.assert_allclose(found.ellipses[i, 2:4], (b, a), rtol=0.03)
-        assert abs(np.sin(found.ellipses[i, 4])) > 0.99  # all drawn upright
-    np.testing.assert_array_equal(found.ellipses[:, :2], found.centres_px)
+        assert blobs.areas_px[i] == pytest.approx(np.pi * a * b, rel=0.03)
+        np.testing.assert_allclose(blobs.ellipses[i, 2:4], (b, a), rtol=0.03)
+        assert abs(np.sin(blobs.ellipses[i, 4])) > 0.99  # all drawn upright
+    np.testing.assert_array_equal(blobs.ellipses[:, :2], blobs.centres_px)
     sd2 = detector.parameters.centre_sd_px**2
-    np.testing.assert_allclose(found.covariances_px2, [sd2 * np.eye(2)] * 3)
-    assert not found.missing
-    assert found.mask is not None
-    assert found.mask.shape == (HEIGHT, WIDTH)
-    assert (found.mask > 0).sum() == found.areas_px.sum()
+    np.testing.assert_allclose(blobs.covariances_px2, [sd2 * np.eye(2)] * 3)
+    assert not blobs.missing
+    assert blobs.mask is not None
+    assert blobs.mask.shape == (HEIGHT, WIDTH)
+    assert (blobs.mask > 0).sum() == blobs.areas_px.sum()
 
 
 def test_it_is_a_detector(detector):
@@ -114,18 +114,18 @@ def test_it_is_a_detector(detector):
 
 def test_without_a_background_the_wood_is_taken_for_skin():
     bare = SkinDetector((camera(),), DetectorParameters())
-    (found,) = bare(frame(picture(np.random.default_rng(2), person=False)))
-    assert len(found) >= 1
-    assert found.areas_px.max() > 50_000
-    assert found.mask is None
+    (blobs,) = bare(frame(picture(np.random.default_rng(2), person=False)))
+    assert len(blobs) >= 1
+    assert blobs.areas_px.max() > 50_000
+    assert blobs.mask is None
 
 
 def test_an_empty_scene_has_no_detections(detector):
-    (found,) = detector(frame(picture(np.random.default_rng(3), person=False)))
-    assert len(found) == 0
-    assert not found.missing
-    assert found.mask is not None
-    assert not found.mask.any()
+    (blobs,) = detector(frame(picture(np.random.default_rng(3), person=False)))
+    assert len(blobs) == 0
+    assert not blobs.missing
+    assert blobs.mask is not None
+    assert not blobs.mask.any()
 
 
 def test_a_missing_picture_is_missing_and_not_absent(detector):
@@ -143,10 +143,15 @@ def test_the_same_picture_gives_the_same_bytes(detector):
     shot = picture(np.random.default_rng(5))
 
     def answer() -> list[bytes]:
-        (found,) = detector(frame(shot))
+        (blobs,) = detector(frame(shot))
         return [
             a.tobytes()
-            for a in (found.centres_px, found.covariances_px2, found.ellipses, found.areas_px)
+            for a in (
+                blobs.centres_px,
+                blobs.covariances_px2,
+                blobs.ellipses,
+                blobs.areas_px,
+            )
         ]
 
     first = answer()
@@ -190,10 +195,10 @@ def test_centres_are_in_the_undistorted_picture(how):
     for cx, cy, a, b in SHAPES:
         inside = ((ideal[..., 0] - cx) / a) ** 2 + ((ideal[..., 1] - cy) / b) ** 2 <= 1
         shot[inside] = SKIN
-    (found,) = seen(frame(shot.round().astype(np.uint8)))
-    assert len(found) == 3
+    (blobs,) = seen(frame(shot.round().astype(np.uint8)))
+    assert len(blobs) == 3
     for shape in SHAPES:
-        assert nearest(found, shape) < 0.3
+        assert nearest(blobs, shape) < 0.3
         moved = distort_points(lens, np.array([shape[:2]]))[0] - shape[:2]
         if shape is not SHAPES[0]:
             assert np.linalg.norm(moved) > 1.0  # so the test can fail
@@ -248,5 +253,5 @@ def test_a_learnt_skin_range_is_used():
     shot = np.full((HEIGHT, WIDTH, 3), 150, np.uint8)
     shot[100:140, 200:260] = green
     shot[300:340, 200:260] = SKIN
-    (found,) = SkinDetector((camera(),), parameters)(frame(shot))
-    np.testing.assert_allclose(found.centres_px, [[229.5, 119.5]], atol=0.1)
+    (blobs,) = SkinDetector((camera(),), parameters)(frame(shot))
+    np.testing.assert_allclose(blobs.centres_px, [[229.5, 119.5]], atol=0.1)

@@ -215,9 +215,9 @@ class NoPredict:
     ],
 )
 def test_what_is_wrong_with_a_tracker_is_one_line(factory, line):
-    found = check_tracker(factory, limit_s=1.0)
-    assert any(line in fault for fault in found), found
-    assert all("\n" not in fault for fault in found)
+    lines = check_tracker(factory, limit_s=1.0)
+    assert any(line in fault for fault in lines), lines
+    assert all("\n" not in fault for fault in lines)
 
 
 @pytest.mark.parametrize("name", ["thesis", "thesis-literal"])
@@ -307,8 +307,8 @@ class Outside(Detector):
     ],
 )
 def test_what_is_wrong_with_a_detector_is_one_line(factory, line):
-    found = check_detector(factory)
-    assert any(line in fault for fault in found), found
+    lines = check_detector(factory)
+    assert any(line in fault for fault in lines), lines
 
 
 def test_the_painted_scene_shows_three_blobs_in_each_view():

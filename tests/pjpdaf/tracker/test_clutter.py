@@ -24,12 +24,12 @@ def look(points: np.ndarray, world: PointWorld = CLEAN, seed: int = 0) -> tuple[
 def test_a_density_and_its_count_per_image_are_one_reading() -> None:
     area = CAMERAS[0].width_px * CAMERAS[0].height_px
     seen = look(START_W, PointWorld(2.0, 0.0, 2.0))
-    found = []
+    results = []
     for reading, clutter in (("density", 0.2 / area), ("area", 0.2)):
         p = with_values(THESIS, {"clutter_reading": reading, "clutter": clutter})
         tracker = PJPDAF(CAMERAS, p)
-        found.append(tracker.step(tracker.start_at(START_W), seen, DT_S)[1].positions_m)
-    np.testing.assert_allclose(*found)
+        results.append(tracker.step(tracker.start_at(START_W), seen, DT_S)[1].positions_m)
+    np.testing.assert_allclose(*results)
 
 
 def test_likelihoods_by_hand() -> None:

@@ -1,16 +1,14 @@
 """`score`: anyone's tracks against a data set's truth, from CSV and Parquet files."""
 
 import json
-import os
 import shutil
-import subprocess
-import sys
 from contextlib import closing
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from commands import in_this_process
 
 import sim.dataset
 from pjpdaf.camera import to_camera
@@ -139,13 +137,7 @@ def test_the_verb_track_on_its_pictures_scores_as_the_run(made, episodes, tmp_pa
     for view in ("left", "right"):
         words += [f"--{view}", folder / view, f"--background-{view}", folder / f"background_{view}"]
     words += ["--calibration", folder / "calib/intrinsics.yml", folder / "calib/extrinsics.yml"]
-    done = subprocess.run(
-        [sys.executable, "-m", "scenarios", *map(str, words)],
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = in_this_process(*words)
     assert done.returncode == 0, done.stderr
     saved = scored(made, tmp_path / "tracks", tmp_path, frame="left")
     mine = saved.frames[saved.frames["scenario"] == "cross"]
@@ -267,7 +259,7 @@ GOOD = "seq_000000,0,head,0.1,0,1.2"
             ":2: sd_x_m, sd_y_m, sd_z_m must be 0 or more",
         ),
         (lines("seq_000000,0,head,100,0,1200", "seq_000000,1,head,90,0,1300"), "metres are expe"),
-        (lines('seq_000000,0,"head' + "x" * 200_000), ":2: is no CSV"),
+        (lines('seq_000000,0,"head' + "x" * 200_000), ":2: is not CSV"),
     ],
 )
 def test_a_fault_in_the_tracks_is_one_line_with_its_place(made, tmp_path, text, said):

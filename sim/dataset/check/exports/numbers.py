@@ -17,7 +17,7 @@ from sim.scene.world import CAMERAS
 class SequenceNumbers:
     """Numbers of a sequence of F frames and O objects that exports repeat. size_px: width, height.
 
-    arrived (F, 2), stamps_s (F,), centres_m (F, T, 3); per view: visible_px, amodal_px, fractions
+    arrived (F, 2), stamps_s (F,), centres_m (F, T, 3); per view: visible_px, fractions
     (2, F, T), boxes_px (2, F, T, 4), centroids_px (2, F, T, 2), objects_px (2, F, O) of the
     objects with these ids.
     """
@@ -30,7 +30,6 @@ class SequenceNumbers:
     stamps_s: Floats
     centres_m: Floats
     visible_px: NDArray[np.int64]
-    amodal_px: NDArray[np.int64]
     fractions: Floats
     boxes_px: Floats
     centroids_px: Floats
@@ -55,7 +54,6 @@ def numbers_of(sequence: StoredSequence, tables: list[FrameTables]) -> SequenceN
         stamps_s=np.array([frame.rows[0]["stamp_s"] for frame in tables]),
         centres_m=np.array([frame.truth.centres_m for frame in tables]),
         visible_px=np.array([[truth.visible_px for truth in view] for view in views]),
-        amodal_px=np.array([[truth.amodal_px for truth in view] for view in views]),
         fractions=np.array([[truth.visible_fractions for truth in view] for view in views]),
         boxes_px=np.array([[truth.boxes_px for truth in view] for view in views]),
         centroids_px=np.array([[truth.centroids_px for truth in view] for view in views]),

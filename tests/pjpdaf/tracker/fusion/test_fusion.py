@@ -57,16 +57,16 @@ def test_order_of_measurements_and_views_does_not_matter(random, seed, update) -
 
 def test_certain_views_in_turn_equal_the_stack() -> None:
     seen = look(START_W + 0.005, PointWorld(1.0, 0.0, 0.0))
-    found = []
+    outcomes = []
     for update in ("sequential", "fused", "stacked", "stacked_weighted", "most_probable"):
         p = with_values(ALONE, {"update": update})
         tracker = PJPDAF(CAMERAS, p)
-        found.append(tracker.step(tracker.start_at(START_W), seen, DT_S)[1])
-    for estimates in found[1:]:
+        outcomes.append(tracker.step(tracker.start_at(START_W), seen, DT_S)[1])
+    for estimates in outcomes[1:]:
         # 1e-5 m: beta_0 of a lone detection is about 1e-6 here, not 0.
-        np.testing.assert_allclose(estimates.positions_m, found[0].positions_m, atol=1e-5)
+        np.testing.assert_allclose(estimates.positions_m, outcomes[0].positions_m, atol=1e-5)
         np.testing.assert_allclose(
-            estimates.covariances_m2, found[0].covariances_m2, rtol=1e-3, atol=1e-7
+            estimates.covariances_m2, outcomes[0].covariances_m2, rtol=1e-3, atol=1e-7
         )
 
 
