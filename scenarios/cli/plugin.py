@@ -21,7 +21,7 @@ def check(
 
     allow_plug_ins_from_here(name)
     try:
-        # A call has a limit of its own; the whole has a limit too, for a plug-in that hangs between calls.
+        # The limit of the whole ends a plug-in that hangs between its calls.
         plug_in = f"{kind} {name!r}"
         faults = isolated(plug_in, LONGEST_LIMIT_S, check_named, kind, name, limit)
     except Ended as end:
