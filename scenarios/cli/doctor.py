@@ -6,7 +6,7 @@ import typer
 
 
 def doctor() -> None:
-    """Say whether this machine can run everything, and what to install where it cannot."""
+    """Check whether this machine can run everything, and name the remedy where it cannot."""
     from scenarios.cli.machine import examine_machine
 
     findings = examine_machine()

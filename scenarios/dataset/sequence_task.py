@@ -50,9 +50,9 @@ def make_sequences(
     the first that fails; the others are ended then.
     """
     written: list[Written] = []
-    for found in pool.outcomes(_make_sequence, tasks, TIME_LIMIT_S):
-        if found is not None:
-            index, outcome = found
+    for ended in pool.outcomes(_make_sequence, tasks, TIME_LIMIT_S):
+        if ended is not None:
+            index, outcome = ended
             written.append(_written(tasks[index], outcome))
         on_poll(len(written), sum(sequence.bytes for sequence in written))
     return written

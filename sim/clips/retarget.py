@@ -50,7 +50,7 @@ _MAX_HEAD_M = 0.05  # head off its place on the neck
 _NECK_M = 0.20  # from the point about which the head bends
 _SWIVELS_RAD = (math.radians(-10.0), math.radians(95.0))
 _SPINE_H = (
-    0.345  # hips to shoulders, of the stature: `sim.motion.motion` bends the torso about the hips
+    0.345  # hips to shoulders, of the stature: `sim.motion.posture` bends the torso about the hips
 )
 
 
