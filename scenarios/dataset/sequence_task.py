@@ -72,10 +72,10 @@ def _make_sequence(task: SequenceTask) -> Written | BenchError:
                 written = write_recipe(task.recipe, part)
                 part.rename(task.final)
         return written
+    except Unposable as fault:  # a BenchError, too
+        return BenchError(f"{task.final.name}: cannot be posed: {fault}; leave out this seed")
     except BenchError as fault:
         return fault
-    except Unposable as fault:
-        return BenchError(f"{task.final.name}: cannot be posed: {fault}; leave out this seed")
     except Exception as fault:
         return InfrastructureError(f"{task.final.name}: {describe_exception(fault)}")
     finally:
