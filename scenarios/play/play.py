@@ -1,4 +1,4 @@
-"""One episode: footage -> detector -> tracker -> what is scored."""
+"""One episode: footage -> detector -> tracker -> the records that are scored."""
 
 from __future__ import annotations
 
