@@ -101,7 +101,8 @@ def _change_message(name: str, locked: Mapping[str, Any], now: Mapping[str, Any]
     raised = f"raise `version` of {', '.join(kept[:5])} in scenarios/catalog/, " if kept else ""
     return (
         f"{name} is locked, but has changed ({changed}): {raised}set "
-        f"`version: {now['version'] + 1}` in scenarios/suites/{suite}.yaml, run `{COMMAND}` and commit {FILE}"
+        f"`version: {now['version'] + 1}` in scenarios/suites/{suite}.yaml, "
+        f"run `{COMMAND}` and commit {FILE}"
     )
 
 
