@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import final
 
+import cv2
 import numpy as np
 
 from pjpdaf.arrays import Floats
@@ -27,11 +28,13 @@ class BlobDetections(Detections):
     """Detections of one view whose blobs carry their pixels.
 
     pixels: per blob (n, 2) undistorted pixels on a lattice; each stands for pixel_area_px pixels.
-    silhouette: of the view.
+    fingers: per blob (n, 2) from the middle of its widest part, the palm, to its centroid, over the
+    square root of its area; undirected blobs have about 0. silhouette: of the view.
     """
 
     pixels: tuple[Floats, ...] = ()
     pixel_area_px: float = 1.0
+    fingers: Floats | None = None
     silhouette: Silhouette | None = field(default=None, repr=False)
 
 
@@ -102,6 +105,7 @@ class BlobDetector:
             fit.areas,
             pixels=pixels,
             pixel_area_px=each,
+            fingers=_fingers(seen, mask),
             silhouette=shape,
         )
 
@@ -109,6 +113,21 @@ class BlobDetector:
     def _none(missing: bool = False) -> BlobDetections:
         empty = np.zeros((0, 2)), np.zeros((0, 2, 2)), np.zeros((0, 5)), np.zeros(0)
         return BlobDetections(*empty, missing)
+
+
+def _fingers(seen: Segments, mask: np.ndarray) -> Floats:
+    """Vectors (count, 2) from each component's palm to its centroid, over sqrt(area)."""
+    found = np.zeros((seen.count, 2))
+    for i in range(seen.count):
+        points = seen.points[seen.component == i]
+        low, high = points.min(axis=0), points.max(axis=0)
+        box = mask[low[1] : high[1] + 1, low[0] : high[0] + 1]
+        inside = np.zeros((box.shape[0] + 2, box.shape[1] + 2), np.uint8)
+        inside[points[:, 1] - low[1] + 1, points[:, 0] - low[0] + 1] = 1
+        depth = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
+        widest = np.argwhere(depth > 0.9 * depth.max()).mean(axis=0)[::-1] - 1 + low
+        found[i] = (points.mean(axis=0) - widest) / len(points) ** 0.5
+    return found
 
 
 def _lattice(seen: Segments, camera: Camera) -> tuple[tuple[Floats, ...], float]:

@@ -21,6 +21,8 @@ Ints = NDArray[np.intp]
 WHOLE, HALF, OTHER_HALF, BESIDE, END, OTHER_END = range(6)
 NEAREST_M, FARTHEST_M = 0.3, 5.0
 HAND_LENGTH_M = 0.16
+WHOLE_COST = 2.0  # two blobs agree as they are below this cost
+PART_M = 0.30  # parts of a blob are no further from its centre
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +137,7 @@ def pairs(
     same_kind = (left.part[i] + 1) // 2 == (right.part[j] + 1) // 2
     own = epipolar + np.minimum(between, 3.0) + np.where(same_kind, 0.0, 1.0)
     sane = (epipolar < 8.0) & (depth > NEAREST_M).all(0) & (depth < FARTHEST_M).all(0)
+    sane &= _coherent(left, right, i, j, points, own, whole)
     if len(expected_m):
         reach = np.linalg.norm(points[:, None] - expected_m[None], axis=2).min(axis=1)
         sane &= reach < 1.2
@@ -155,6 +158,31 @@ def pairs(
         _single(views, v, found[v], double, expected_m, noise, costs) for v in range(2)
     ]
     return _joined([double, *singles])
+
+
+def _coherent(
+    left: Candidates,
+    right: Candidates,
+    i: Ints,
+    j: Ints,
+    points: Floats,
+    own: Floats,
+    whole: NDArray[np.bool_],
+) -> NDArray[np.bool_]:
+    """Which pairs (n,) can be one thing: parts of blobs that agree as a whole lie near that whole.
+
+    A whole blob pairs with a part of another only where the two blobs do not agree as they are:
+    the hands are merged in one view alone.
+    """
+    good = np.ones(len(i), bool)
+    ends_left, ends_right = left.part[i] >= END, right.part[j] >= END
+    good &= ~(ends_left ^ ends_right) | (left.part[i] == WHOLE) | (right.part[j] == WHOLE)
+    for k in np.flatnonzero(whole & (own < WHOLE_COST)):
+        same = (left.blob[i] == left.blob[i[k]]) & (right.blob[j] == right.blob[j[k]])
+        mixed = (left.part[i] == WHOLE) ^ (right.part[j] == WHOLE)
+        far = np.linalg.norm(points - points[k], axis=1) > PART_M
+        good &= ~(same & (mixed | far))
+    return good
 
 
 def _single(

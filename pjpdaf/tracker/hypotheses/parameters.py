@@ -52,17 +52,21 @@ class CostParameters:
     """Negative logarithms of odds, beside a hand seen where it was expected."""
 
     epipolar_px: float = 4.0
-    hand_area_m2: float = 0.009
+    hand_area_m2: float = 0.011
     log_area_sd: float = 0.55
+    log_area_up_sd: float = 0.35
+    area_memory: float = 0.1
+    stay_hidden: float = 5.0
     unexplained: float = 6.0
-    miss: float = 5.0
+    miss: float = 9.0
     face: float = 4.0
     same_blob: float = 4.0
     lone_half: float = 4.0
-    split: float = 1.0
+    split: float = 0.0
     single_view: float = 3.0
     end: float = 0.5
     whole_arm: float = 2.0
+    piece: float = 6.0
 
 
 @dataclass(frozen=True)
@@ -77,10 +81,11 @@ class SleeveParameters:
     width_m: float = 0.076
     swivels: int = 16
     background: float = 1.5
-    side_m: float = 0.19
+    side_m: float = 0.175
     down_m: float = 0.165
     back_m: float = 0.06
     inward: float = 0.15
+    axis: float = 0.7
 
 
 @dataclass(frozen=True)

@@ -114,8 +114,13 @@ def arm_scores(
     views: Views,
     body: Body,
     p: SleeveParameters,
+    fingers: Floats | None = None,
 ) -> Floats:
-    """Best score over the swivels of an arm from each shoulder, right then left, (n, 2)."""
+    """Best score over the swivels of an arm from each shoulder, right then left, (n, 2).
+
+    fingers (N, n, 2): which way the fingers point in each view, 0 where unknown; they go on along
+    the forearm.
+    """
     n = len(hands_m)
     if n == 0:
         return np.zeros((0, 2))
@@ -135,6 +140,11 @@ def arm_scores(
         total += _covered(s, e, UPPER, half, value, steps_px[view]) * (6 / 13)
         total += _covered(e, h, FORE, half, value, steps_px[view]) * (7 / 13)
         count += 1
+        if fingers is not None and p.axis > 0:
+            way = h - e
+            metre = views.focal_px[view] / elbow_z[view][..., None]
+            along = (way / metre / p.forearm_m * fingers[view][:, None, None]).sum(axis=-1)
+            total += p.axis * along
     if count == 0:
         return np.zeros((n, 2))
     best: Floats = (total / count - penalty).max(axis=2) - 2.0 * stretch

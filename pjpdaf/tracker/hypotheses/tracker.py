@@ -58,6 +58,7 @@ class HypothesisState:
     head: HeadTrack
     hypotheses: tuple[Hypothesis, ...]
     said: Estimates
+    hand_area_m2: float
     exchanged: float = 0.0
 
 
@@ -82,7 +83,7 @@ class HypothesisTracker:
             Hypothesis(0.0, cost, points, P, np.zeros(2))
             for points, cost in sorted(starts, key=lambda s: s[1])
         )
-        return self._state(head, found, None, 0.0)
+        return self._state(head, found, None, 0.0, self.parameters.costs.hand_area_m2)
 
     def estimates(self, state: HypothesisState) -> Estimates:
         return state.said
@@ -102,8 +103,8 @@ class HypothesisTracker:
         expected = np.concatenate([h.means for h in state.hypotheses])
         found = self._pairs(seen, places, head, expected)
         evidence = self._evidence(found, seen, head)
-        grown = self._grow(state, found, evidence, seen, places, head, dt_s)
-        after = self._state(head, grown, state, dt_s)
+        grown, area = self._grow(state, found, evidence, seen, places, head, dt_s)
+        after = self._state(head, grown, state, dt_s, area)
         return after, after.said
 
     def _pairs(
@@ -123,8 +124,19 @@ class HypothesisTracker:
         )
         found = pairs(self.views, (each[0], each[1]), expected_m, p.noise, p.costs)
         # Hands are in front of the head, by an arm at most, and not far behind it.
-        forward = (found.points_m - head.mean) @ -self.views.axes[2]
-        return found[(forward > -0.3) & (forward < 0.9)]
+        off = (found.points_m - head.mean) @ self.views.axes.T
+        found = found[(off[:, 2] < 0.3) & (off[:, 2] > -0.9)]
+        off = (found.points_m - head.mean) @ self.views.axes.T
+        # Pieces of the face or neck that a beard, glasses or a collar cut off.
+        piece = (
+            (np.abs(off[:, 0]) < 0.08)
+            & (off[:, 1] > -0.16)
+            & (off[:, 1] < 0.22)
+            & (np.abs(off[:, 2]) < 0.25)
+            & (found.areas_m2 < 0.45 * p.costs.hand_area_m2)
+            & (found.part == WHOLE).any(axis=1)
+        )
+        return replace(found, cost=found.cost + np.where(piece, p.costs.piece, 0.0))
 
     def _evidence(
         self, found: Pairs, seen: tuple[BlobDetections, ...], head: HeadTrack
@@ -137,7 +149,12 @@ class HypothesisTracker:
         shapes = tuple(view.silhouette for view in seen)
         values = arm_values(shapes, self.views, body, s)
         step_px = [shape.step_px if shape is not None else 1 for shape in shapes]
-        scores = arm_scores(found.points_m, values, step_px, self.views, body, s)
+        fingers = np.zeros((2, len(found), 2))
+        for v, view in enumerate(seen):
+            whole = np.flatnonzero(found.part[:, v] == WHOLE)
+            if view.fingers is not None and len(view):
+                fingers[v, whole] = np.clip(view.fingers[found.blob[whole, v]], -0.3, 0.3)
+        scores = arm_scores(found.points_m, values, step_px, self.views, body, s, fingers)
         return np.clip(s.weight * (scores[:, 0] - scores[:, 1]), -s.clip, s.clip)
 
     def _grow(
@@ -149,12 +166,12 @@ class HypothesisTracker:
         places: tuple[Head | None, ...],
         head: HeadTrack,
         dt_s: float,
-    ) -> tuple[Hypothesis, ...]:
+    ) -> tuple[tuple[Hypothesis, ...], float]:
         p, n = self.parameters, len(found)
         K = len(state.hypotheses)
         means = np.array([h.means for h in state.hypotheses])  # (K, 2, 3)
         P = np.array([h.covariances for h in state.hypotheses])
-        own = found.cost + _area_cost(found, p)
+        own = found.cost + _area_cost(found, state.hand_area_m2, p)
         face_C = np.eye(3) * p.noise.face_m**2
         face = head.mean - 0.06 * self.views.axes[2] + 0.02 * self.views.axes[1]
         near_head = any(place is not None and not place.free for place in places) or head.unseen_s > 0
@@ -169,12 +186,14 @@ class HypothesisTracker:
         # A hand seen where expected, with the noise of a whole blob, costs nothing.
         reference = 1.5 * np.log(2 * np.pi) + np.log(0.03**3)
         motion = np.minimum(motion - reference, 16.0)
-        each = np.concatenate([motion, np.full((K, 2, 1), p.costs.miss)], axis=2)
+        unseen_s = np.array([h.unseen_s for h in state.hypotheses])[..., None]
+        miss = np.where(unseen_s > 0, p.costs.stay_hidden, p.costs.miss)
+        each = np.concatenate([motion, miss], axis=2)
         each[:, :, :n] += own
         each[:, :, n] += p.costs.face if near_head else FORBIDDEN
         each = np.minimum(each, FORBIDDEN)
         doubt = np.concatenate([evidence, [0.0, 0.0]])
-        joint = _joint_cost(found, seen, places, self.views, p)
+        joint = _joint_cost(found, seen, places, state.hand_area_m2, p)
         sleeve = -doubt[:, None] * 0.5 + doubt[None, :] * 0.5
         sleeve = sleeve + 0.5 * (np.abs(doubt)[:, None] + np.abs(doubt)[None, :])
         fade = float(np.exp(-dt_s / p.sleeve.memory_s)) if p.sleeve.memory_s > 0 else 0.0
@@ -219,11 +238,13 @@ class HypothesisTracker:
             )
             if len(grown) == p.hypotheses:
                 break
-        least = min(h.total for h in grown)
         low = min(h.cost for h in grown)
         lowest = min(h.evidence for h in grown)
-        del least
-        return tuple(replace(h, cost=h.cost - low, evidence=h.evidence - lowest) for h in grown)
+        chosen = np.unravel_index(best[0], total.shape)[1:]
+        area = _remembered_area(state.hand_area_m2, found, [int(c) for c in chosen], p)
+        return tuple(
+            replace(h, cost=h.cost - low, evidence=h.evidence - lowest) for h in grown
+        ), area
 
     def _moved(
         self, h: Hypothesis, side: int, choice: int, points: Floats, C: Floats, n: int, dt_s: float
@@ -249,6 +270,7 @@ class HypothesisTracker:
         found: tuple[Hypothesis, ...],
         before: HypothesisState | None,
         dt_s: float,
+        hand_area_m2: float,
     ) -> HypothesisState:
         p = self.parameters
         totals = np.array([h.total for h in found])
@@ -282,12 +304,26 @@ class HypothesisTracker:
         if before is not None and dt_s > 0:
             velocities = (positions - before.said.positions_m) / dt_s
         said = Estimates(positions, covariances, velocities, status)
-        return HypothesisState(head, found, said, exchanged)
+        return HypothesisState(head, found, said, hand_area_m2, exchanged)
 
 
-def _area_cost(found: Pairs, p: HypothesisParameters) -> Floats:
+def _remembered_area(
+    area_m2: float, found: Pairs, chosen: list[int], p: HypothesisParameters
+) -> float:
+    """The area of a whole hand, learnt where both hands are seen apart."""
+    if max(chosen) >= len(found) or not (found.part[chosen] == WHOLE).all():
+        return area_m2
+    if (found.blob[chosen[0]] == found.blob[chosen[1]]).any():
+        return area_m2
+    low, high = 0.6 * p.costs.hand_area_m2, 1.6 * p.costs.hand_area_m2
+    now = np.clip(found.areas_m2[chosen], low, high).max()
+    return float(area_m2 * (now / area_m2) ** p.costs.area_memory)
+
+
+def _area_cost(found: Pairs, hand_area_m2: float, p: HypothesisParameters) -> Floats:
     c = p.costs
-    z = np.log(np.maximum(found.areas_m2, 1e-6) / c.hand_area_m2) / c.log_area_sd
+    z = np.log(np.maximum(found.areas_m2, 1e-6) / hand_area_m2)
+    z = z / np.where(z > 0, c.log_area_up_sd, c.log_area_sd)
     cost = np.minimum(0.5 * z * z, 6.0)
     half = ((found.part == HALF) | (found.part == HALF + 1)).any(axis=1)
     end = (found.part >= END).any(axis=1)
@@ -299,7 +335,7 @@ def _joint_cost(
     found: Pairs,
     seen: tuple[BlobDetections, ...],
     places: tuple[Head | None, ...],
-    views: Views,
+    hand_area_m2: float,
     p: HypothesisParameters,
 ) -> Floats:
     """Cost (n + 2, n + 2) of right and left choices together."""
@@ -324,7 +360,7 @@ def _joint_cost(
         joint[:n, n:] += 0.5 * c.lone_half * half[:, None]
         joint[n:, :n] += 0.5 * c.lone_half * half[None, :]
     # Hand-like blobs that nobody uses.
-    plain = (found.part == WHOLE).all(axis=1) & (_area_cost(found, p) < 3.0) & (found.cost < 4.0)
+    plain = (found.part == WHOLE).all(axis=1) & (_area_cost(found, hand_area_m2, p) < 2.0) & (found.cost < 3.0)
     for left, right in {(int(a), int(b)) for a, b in found.blob[plain]}:
         taken = (places[0] is not None and places[0].blob == left) or (
             places[1] is not None and places[1].blob == right
