@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
 from pjpdaf.detector.blob_detector import BlobDetections
+from pjpdaf.detector.silhouette import CLOTHED
 from pjpdaf.detector.split import ends, halves, outside, pieces
 from pjpdaf.tracker.hypotheses.geometry import Views, stereo_information
 from pjpdaf.tracker.hypotheses.parameters import (
@@ -20,19 +21,24 @@ from pjpdaf.tracker.hypotheses.parameters import (
 Ints = NDArray[np.intp]
 WHOLE, HALF, OTHER_HALF, BESIDE, END, OTHER_END = range(6)
 NEAREST_M, FARTHEST_M = 0.3, 5.0
-HAND_LENGTH_M = 0.16
 WHOLE_COST = 2.0  # two blobs agree as they are below this cost
+LONGEST_FINGERS = 0.4  # of the square root of the area
 PART_M = 0.30  # parts of a blob are no further from its centre
 
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """Of one view: centres (c, 2) [px], areas (c,) [px], blob (c,) and part (c,), WHOLE .. END."""
+    """Of one view: centres (c, 2) [px], areas (c,) [px], blob (c,) and part (c,), WHOLE .. END.
+
+    palm_px (c, 2): from the centre to the middle of the palm, 0 for parts. cost (c,): of its own.
+    """
 
     centres_px: Floats
     areas_px: Floats
     blob: Ints
     part: Ints
+    palm_px: Floats
+    cost: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +52,20 @@ class Head:
 
 
 def candidates(
-    view: BlobDetections, head: Head | None, depth_m: float, focal_px: float, p: CandidateParameters
+    view: BlobDetections,
+    head: Head | None,
+    depth_m: float,
+    focal_px: float,
+    bare: bool,
+    p: CandidateParameters,
 ) -> Candidates:
-    """All candidates of a view; the blob of the head offers only what is beside the head."""
+    """All candidates of a view; the blob of the head offers only what is beside the head.
+
+    bare: the person's forearms are bare, so that the hand is an end of a long blob.
+    """
     metre_px = focal_px / depth_m
     centres: list[Floats] = []
+    costs: dict[int, float] = {}
     rest: list[tuple[float, int, int]] = []
     for blob in range(len(view)):
         pixels = view.pixels[blob] if view.pixels else None
@@ -70,8 +85,17 @@ def candidates(
                             centres.append(two[0][k])
                             rest.append((float(two[1][k]) * len(piece) * view.pixel_area_px, blob, HALF + k))
             continue
-        centres.append(view.centres_px[blob])
-        rest.append((area, blob, WHOLE))
+        length_m = 2.0 * float(view.ellipses[blob, 2]) / metre_px
+        if bare and p.ends and pixels is not None and length_m > p.hand_length_m:
+            found, tips = ends(pixels, 0.8 * p.hand_length_m * metre_px)
+            cloth = [_clothed(view, tip, 0.045 * metre_px) for tip in tips]
+            for k in range(2):
+                costs[len(centres)] = 5.0 * max(0.0, cloth[k] - cloth[1 - k])
+                centres.append(found[k])
+                rest.append((min(area, p.split_area_m2 * metre_px**2), blob, END + k))
+        if not costs or len(centres) - 2 not in costs or head is None:
+            centres.append(view.centres_px[blob])
+            rest.append((area, blob, WHOLE))
         if pixels is None:
             continue
         if p.halves and area > p.split_area_m2 * metre_px**2:
@@ -80,17 +104,35 @@ def candidates(
                 for k in range(2):
                     centres.append(two[0][k])
                     rest.append((area * float(two[1][k]), blob, HALF + k))
-        if p.ends and 2.0 * view.ellipses[blob, 2] > p.bare_length_m * metre_px:
-            for k, end in enumerate(ends(pixels, HAND_LENGTH_M * metre_px)):
-                centres.append(end)
-                rest.append((0.5 * area, blob, END + k))
     areas, blobs, parts = (list(x) for x in zip(*rest, strict=True)) if rest else ([], [], [])
+    blob, part = np.array(blobs, np.intp), np.array(parts, np.intp)
+    palm = np.zeros((len(blob), 2))
+    whole = part == WHOLE
+    if view.fingers is not None:
+        away = np.clip(view.fingers[blob[whole]], -LONGEST_FINGERS, LONGEST_FINGERS)
+        palm[whole] = -p.palm * away * np.sqrt(view.areas_px[blob[whole]])[:, None]
     return Candidates(
-        np.array(centres).reshape(-1, 2),
-        np.array(areas, np.float64),
-        np.array(blobs, np.intp),
-        np.array(parts, np.intp),
+        np.array(centres).reshape(-1, 2), np.array(areas, np.float64), blob, part, palm,
+        np.array([costs.get(k, 0.0) for k in range(len(blob))]),
     )
+
+
+def _clothed(view: BlobDetections, at_px: Floats, radius_px: float) -> float:
+    """Share of clothed pixels within a distance of a pixel (2,); 0 without a silhouette."""
+    if view.silhouette is None:
+        return 0.0
+    classes, step = view.silhouette.classes, view.silhouette.step_px
+    x, y = (at_px + 0.5) / step
+    r = max(radius_px / step, 1.0)
+    rows, columns = classes.shape
+    top, left = max(int(y - r), 0), max(int(x - r), 0)
+    box = classes[top : min(int(y + r) + 1, rows), left : min(int(x + r) + 1, columns)]
+    return float((box == CLOTHED).mean()) if box.size else 0.0
+
+
+def blob_length_m(view: BlobDetections, blob: int, depth_m: float, focal_px: float) -> float:
+    """Length of a blob's ellipse [m]."""
+    return 2.0 * float(view.ellipses[blob, 2]) * depth_m / focal_px
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +178,7 @@ def pairs(
     between = 0.5 * (np.log(np.maximum(a, 1e-9) / np.maximum(b, 1e-9)) / 0.5) ** 2
     same_kind = (left.part[i] + 1) // 2 == (right.part[j] + 1) // 2
     own = epipolar + np.minimum(between, 3.0) + np.where(same_kind, 0.0, 1.0)
+    own = own + left.cost[i] + right.cost[j]
     sane = (epipolar < 8.0) & (depth > NEAREST_M).all(0) & (depth < FARTHEST_M).all(0)
     sane &= _coherent(left, right, i, j, points, own, whole)
     if len(expected_m):
@@ -146,6 +189,7 @@ def pairs(
     common = np.where(whole, noise.whole_px[0], noise.part_px[0]) * views.scale
     apart = np.where(whole, noise.whole_px[1], noise.part_px[1]) * views.scale
     information = stereo_information(views.jacobians(points), common, apart)
+    points = points + _to_palms(views, left.palm_px[i], right.palm_px[j], depth[:, sane])
     double = Pairs(
         points,
         np.linalg.inv(information) if len(points) else np.zeros((0, 3, 3)),
@@ -158,6 +202,16 @@ def pairs(
         _single(views, v, found[v], double, expected_m, noise, costs) for v in range(2)
     ]
     return _joined([double, *singles])
+
+
+def _to_palms(views: Views, left_px: Floats, right_px: Floats, depth: Floats) -> Floats:
+    """Displacements (n, 3) [m] across the line of sight; the mean of both views'.
+
+    The depth is left to the centroids, which the views share better than the palms.
+    """
+    metre = depth / views.focal_px[:, None]
+    across = 0.5 * (left_px * metre[0][:, None] + right_px * metre[1][:, None])
+    return np.asarray(across @ views.axes[:2])
 
 
 def _coherent(

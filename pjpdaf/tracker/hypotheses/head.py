@@ -15,6 +15,10 @@ from pjpdaf.tracker.hypotheses.motion import correct, spread
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 
 MERGED_RATIO = 1.10  # of the remembered area: a larger blob is head and something else
+CROWN_M = 0.157  # of an average person
+CROWN_SHARE = 0.74  # by which the skin's centre is lower where the hair begins lower, fitted
+LOOSE_RATIO = 1.35  # up to this it may be the head that turned, and is learnt slowly
+SLOW_MEMORY = 0.05
 PARTLY_RATIO = 0.55  # a smaller blob is not the whole head
 MEMORY = 0.15  # share of a free sighting in the remembered area and shape
 FARTHEST_M = 0.45  # from the prediction
@@ -23,14 +27,24 @@ FARTHEST_M = 0.45  # from the prediction
 @dataclass(frozen=True, eq=False)
 class HeadTrack:
     """mean (3,) [m] of the visible skin's centre; covariance (3, 3); area_m2; shape_m2 (2, 2) second
-    moments of the free head, times (depth / focal)^2; unseen_s.
+    moments of the free head, times (depth / focal)^2; crown_m height of the silhouette's top, the
+    hair, above the centre of the skin; unseen_s.
     """
 
     mean: Floats
     covariance: Floats
     area_m2: float
     shape_m2: Floats
+    crown_m: float = CROWN_M
     unseen_s: float = 0.0
+
+    def centre(self, axes: Floats, p: HypothesisParameters) -> Floats:
+        """Centre of the head (3,) [m]: how far it is above the centre of the skin goes with how
+        much the hair hides.
+        """
+        right, down, away = p.head_offset_m
+        down -= CROWN_SHARE * (self.crown_m - CROWN_M)
+        return np.asarray(self.mean + np.array([right, down, away]) @ axes)
 
 
 def head_places(
@@ -111,7 +125,14 @@ def follow_head(
                 m.head_deviations_m,
             )
             after = replace(track, mean=mean, covariance=P, unseen_s=0.0)
-            return (_remember(after, seen, places, views) if free else after), places
+            grown = max(
+                float(seen[v].areas_px[place.blob])
+                * (float(views.project(points[0])[1][v]) / views.focal_px[v]) ** 2
+                for v, place in enumerate((one, two))
+            )
+            alone = free or grown < LOOSE_RATIO * track.area_m2
+            memory = MEMORY if free else SLOW_MEMORY
+            return (_remember(after, seen, places, views, memory) if alone else after), places
     elif len(at) == 1:
         view = at[0]
         place = places[view]
@@ -146,12 +167,15 @@ def _remember(
     seen: tuple[BlobDetections, ...],
     places: tuple[Head | None, ...],
     views: Views,
+    memory: float,
 ) -> HeadTrack:
     area, shape = head_size(track.mean, seen, places, views)
+    crown = crown_of(track.mean, seen, views)
     return replace(
         track,
-        area_m2=(1 - MEMORY) * track.area_m2 + MEMORY * area,
-        shape_m2=(1 - MEMORY) * track.shape_m2 + MEMORY * shape,
+        crown_m=track.crown_m + (0.0 if crown is None else memory * (crown - track.crown_m)),
+        area_m2=(1 - memory) * track.area_m2 + memory * area,
+        shape_m2=(1 - memory) * track.shape_m2 + memory * shape,
     )
 
 
@@ -174,3 +198,23 @@ def head_size(
         turn = np.array([[c, -s], [s, c]])
         shapes.append(turn @ np.diag([a * a / 4, b * b / 4]) @ turn.T * size)
     return float(np.mean(areas)), np.asarray(np.mean(shapes, axis=0))
+
+
+def crown_of(mean: Floats, seen: tuple[BlobDetections, ...], views: Views) -> float | None:
+    """Height [m] of the silhouette's top above the head's centre, mean over the views."""
+    pixels, depth = views.project(mean)
+    found = []
+    for view, blobs in enumerate(seen):
+        if blobs.silhouette is None:
+            continue
+        classes, step = blobs.silhouette.classes, blobs.silhouette.step_px
+        row, column = int((pixels[view, 1] + 0.5) / step), int((pixels[view, 0] + 0.5) / step)
+        if not (3 <= column < classes.shape[1] - 3 and 0 <= row < classes.shape[0]):
+            continue
+        above = classes[row::-1, column - 3 : column + 4] > 0
+        if above.all(axis=0).any() or not above[0].any():
+            continue  # reaches the edge of the picture
+        height_px = (float(np.median(above.argmin(axis=0))) - 0.5) * step
+        found.append(height_px * depth[view] / views.focal_px[view])
+    crown = float(np.mean(found)) if found else 0.0
+    return crown if 0.10 < crown < 0.22 else None

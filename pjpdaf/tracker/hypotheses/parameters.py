@@ -19,9 +19,11 @@ class CandidateParameters:
     halves: bool = True
     beside_head: bool = True
     ends: bool = True
+    palm: float = 0.75
     draw_together: float = 0.7
     split_area_m2: float = 0.008
-    bare_length_m: float = 0.25
+    bare_length_m: float = 0.205
+    hand_length_m: float = 0.17
     head_scale: float = 1.15
     beside_area_m2: float = 0.0012
 
@@ -100,5 +102,5 @@ class HypothesisParameters:
     hypotheses: int = 5
     mean_within: float = 2.0
     lost_after_s: float = 1.0
-    hand_offset_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    head_offset_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    hand_offset_m: tuple[float, float, float] = (0.0, -0.003, 0.008)
+    head_offset_m: tuple[float, float, float] = (0.0, -0.027, 0.015)

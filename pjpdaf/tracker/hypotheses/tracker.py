@@ -18,6 +18,7 @@ from pjpdaf.tracker.hypotheses.candidates import (
     WHOLE,
     Head,
     Pairs,
+    blob_length_m,
     candidates,
     pairs,
 )
@@ -30,6 +31,7 @@ from pjpdaf.tracker.hypotheses.opening import open_tracks
 
 LARGEST_COST = 14.0  # of a hypothesis beyond the best; more is dropped
 FORBIDDEN = 30.0
+LENGTH_MEMORY_S = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +61,7 @@ class HypothesisState:
     hypotheses: tuple[Hypothesis, ...]
     said: Estimates
     hand_area_m2: float
+    longest_m: float
     exchanged: float = 0.0
 
 
@@ -77,13 +80,13 @@ class HypothesisTracker:
         opened = open_tracks(seen, self.views, self.parameters)
         if opened is None:
             return None
-        head, starts = opened
+        head, starts, length = opened
         P = np.tile(np.eye(3) * 0.02**2, (2, 1, 1))
         found = tuple(
             Hypothesis(0.0, cost, points, P, np.zeros(2))
             for points, cost in sorted(starts, key=lambda s: s[1])
         )
-        return self._state(head, found, None, 0.0, self.parameters.costs.hand_area_m2)
+        return self._state(head, found, None, 0.0, self.parameters.costs.hand_area_m2, length)
 
     def estimates(self, state: HypothesisState) -> Estimates:
         return state.said
@@ -101,10 +104,12 @@ class HypothesisTracker:
         p = self.parameters
         head, places = follow_head(state.head, seen, self.views, dt_s, p)
         expected = np.concatenate([h.means for h in state.hypotheses])
-        found = self._pairs(seen, places, head, expected)
+        bare = state.longest_m > p.candidates.bare_length_m
+        found = self._pairs(seen, places, head, expected, bare)
         evidence = self._evidence(found, seen, head)
         grown, area = self._grow(state, found, evidence, seen, places, head, dt_s)
-        after = self._state(head, grown, state, dt_s, area)
+        length = self._longest(state, seen, places, head, after_s=dt_s)
+        after = self._state(head, grown, state, dt_s, area, length)
         return after, after.said
 
     def _pairs(
@@ -113,12 +118,18 @@ class HypothesisTracker:
         places: tuple[Head | None, ...],
         head: HeadTrack,
         expected_m: Floats,
+        bare: bool,
     ) -> Pairs:
         p = self.parameters
         _, depth = self.views.project(head.mean)
         each = tuple(
             candidates(
-                view, place, max(float(depth[v]) - 0.15, 0.3), float(self.views.focal_px[v]), p.candidates
+                view,
+                place,
+                max(float(depth[v]) - 0.15, 0.3),
+                float(self.views.focal_px[v]),
+                bare,
+                p.candidates,
             )
             for v, (view, place) in enumerate(zip(seen, places, strict=True))
         )
@@ -129,14 +140,45 @@ class HypothesisTracker:
         off = (found.points_m - head.mean) @ self.views.axes.T
         # Pieces of the face or neck that a beard, glasses or a collar cut off.
         piece = (
-            (np.abs(off[:, 0]) < 0.08)
+            (np.abs(off[:, 0]) < np.where((found.part == WHOLE).any(axis=1), 0.08, 0.05))
             & (off[:, 1] > -0.16)
             & (off[:, 1] < 0.22)
             & (np.abs(off[:, 2]) < 0.25)
             & (found.areas_m2 < 0.45 * p.costs.hand_area_m2)
-            & (found.part == WHOLE).any(axis=1)
         )
         return replace(found, cost=found.cost + np.where(piece, p.costs.piece, 0.0))
+
+    def _longest(
+        self,
+        state: HypothesisState,
+        seen: tuple[BlobDetections, ...],
+        places: tuple[Head | None, ...],
+        head: HeadTrack,
+        after_s: float,
+    ) -> float:
+        """Mean length of the longer hand's blob while the hands are apart, slowly forgotten."""
+        longest = 0.0
+        hands = state.hypotheses[0].means
+        if np.linalg.norm(hands[0] - hands[1]) < 0.3:
+            return state.longest_m
+        pixels, depth = self.views.project(hands)
+        for v, (view, place) in enumerate(zip(seen, places, strict=True)):
+            for hand in range(2):
+                if len(view) == 0:
+                    continue
+                blob = int(np.linalg.norm(view.centres_px - pixels[v, hand], axis=1).argmin())
+                near = np.linalg.norm(view.centres_px[blob] - pixels[v, hand])
+                metre_px = self.views.focal_px[v] / depth[v, hand]
+                if near < 0.15 * metre_px and (place is None or place.blob != blob):
+                    length = blob_length_m(
+                        view, blob, float(depth[v, hand]), float(self.views.focal_px[v])
+                    )
+                    if length < 0.45:
+                        longest = max(longest, length)
+        if longest == 0.0:
+            return state.longest_m
+        share = 1.0 - float(np.exp(-after_s / LENGTH_MEMORY_S))
+        return state.longest_m + share * (longest - state.longest_m)
 
     def _evidence(
         self, found: Pairs, seen: tuple[BlobDetections, ...], head: HeadTrack
@@ -271,6 +313,7 @@ class HypothesisTracker:
         before: HypothesisState | None,
         dt_s: float,
         hand_area_m2: float,
+        longest_m: float,
     ) -> HypothesisState:
         p = self.parameters
         totals = np.array([h.total for h in found])
@@ -291,7 +334,7 @@ class HypothesisTracker:
         axes = self.views.axes
         positions = np.concatenate(
             [
-                (head.mean + np.array(p.head_offset_m) @ axes)[None],
+                head.centre(axes, p)[None],
                 hands + np.array(p.hand_offset_m) @ axes,
             ]
         )
@@ -304,7 +347,7 @@ class HypothesisTracker:
         if before is not None and dt_s > 0:
             velocities = (positions - before.said.positions_m) / dt_s
         said = Estimates(positions, covariances, velocities, status)
-        return HypothesisState(head, found, said, hand_area_m2, exchanged)
+        return HypothesisState(head, found, said, hand_area_m2, longest_m, exchanged)
 
 
 def _remembered_area(
