@@ -86,14 +86,15 @@ def candidates(
                             rest.append((float(two[1][k]) * len(piece) * view.pixel_area_px, blob, HALF + k))
             continue
         length_m = 2.0 * float(view.ellipses[blob, 2]) / metre_px
-        if bare and p.ends and pixels is not None and length_m > p.hand_length_m:
+        arm = bare and p.ends and pixels is not None and length_m > p.hand_length_m
+        if arm:
             found, tips = ends(pixels, 0.8 * p.hand_length_m * metre_px)
             cloth = [_clothed(view, tip, 0.045 * metre_px) for tip in tips]
             for k in range(2):
                 costs[len(centres)] = 5.0 * max(0.0, cloth[k] - cloth[1 - k])
                 centres.append(found[k])
                 rest.append((min(area, p.split_area_m2 * metre_px**2), blob, END + k))
-        if not costs or len(centres) - 2 not in costs or head is None:
+        if not arm or head is None:  # the head itself may be long, at the start
             centres.append(view.centres_px[blob])
             rest.append((area, blob, WHOLE))
         if pixels is None:

@@ -146,7 +146,8 @@ class HypothesisTracker:
             & (np.abs(off[:, 2]) < 0.25)
             & (found.areas_m2 < 0.45 * p.costs.hand_area_m2)
         )
-        return replace(found, cost=found.cost + np.where(piece, p.costs.piece, 0.0))
+        cost = found.cost + np.where(piece, p.costs.piece, 0.0)
+        return replace(found, cost=cost)
 
     def _longest(
         self,
