@@ -17,7 +17,7 @@ from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 MERGED_RATIO = 1.10  # of the remembered area: a larger blob is head and something else
 CROWN_M = 0.157  # of an average person
 CROWN_SHARE = 0.74  # by which the skin's centre is lower where the hair begins lower, fitted
-LOOSE_RATIO = 1.35  # up to this it may be the head that turned, and is learnt slowly
+LOOSE_RATIO = 1.45  # up to this it may be the head that turned, and is learnt slowly
 SLOW_MEMORY = 0.05
 PARTLY_RATIO = 0.55  # a smaller blob is not the whole head
 MEMORY = 0.15  # share of a free sighting in the remembered area and shape

@@ -138,7 +138,10 @@ class HypothesisTracker:
         off = (found.points_m - head.mean) @ self.views.axes.T
         found = found[(off[:, 2] < 0.3) & (off[:, 2] > -0.9)]
         off = (found.points_m - head.mean) @ self.views.axes.T
-        # Pieces of the face or neck that a beard, glasses or a collar cut off.
+        # Pieces of the face or neck that a beard, glasses or a collar cut off; the neck is behind
+        # the face, a hand before it.
+        below = (np.abs(off[:, 0]) < 0.06) & (off[:, 1] > 0.03) & (off[:, 1] < 0.24)
+        neck = below & (off[:, 2] > -0.03) & (found.areas_m2 < 0.75 * p.costs.hand_area_m2)
         piece = (
             (np.abs(off[:, 0]) < np.where((found.part == WHOLE).any(axis=1), 0.08, 0.05))
             & (off[:, 1] > -0.16)
@@ -146,6 +149,7 @@ class HypothesisTracker:
             & (np.abs(off[:, 2]) < 0.25)
             & (found.areas_m2 < 0.45 * p.costs.hand_area_m2)
         )
+        piece |= neck
         cost = found.cost + np.where(piece, p.costs.piece, 0.0)
         return replace(found, cost=cost)
 
