@@ -10,12 +10,9 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import os
 import sys
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
 from pathlib import Path
 
 import cv2
@@ -26,16 +23,22 @@ from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detections, Estimates
 from pjpdaf.plugins.registry import make_detector, make_tracker
 from reports.gate.gate import compare
-from reports.run.results import RunInfo, SavedRun, load, save
+from reports.run.load import SavedRun, load
 from reports.run.rows import EpisodeRows, rows_of
+from reports.run.save import RunInfo, save
 from reports.score.records import EpisodeFailure
-from scenarios.play.play import Job, System, digest_of, play_footage
-from scenarios.run.run import RunRequest, entry_of, plan
+from scenarios.execute.local import local_executor, worker_count
+from scenarios.play.job import Job, System, digest_of
+from scenarios.play.plan import PlanRequest, plan
+from scenarios.play.play import complete_episode
+from scenarios.run.save_run import scenario_record
 from scenarios.spec.draw import perform
+from sim.processes import Lost
 from sim.sequence import Simulation
 
 PRESET = "thesis"
 NOTHING = "nothing at all"
+TIME_LIMIT_S = 3600.0  # of one episode with all its changes
 
 
 @dataclass(frozen=True)
@@ -384,8 +387,8 @@ def play_all(job: Job) -> dict[str, EpisodeRows]:
 def play_one(job: Job, film: Kept, change: System | Callable[[Kept], Kept]) -> EpisodeRows:
     try:
         if isinstance(change, System):
-            return rows_of(play_footage(replace(job, system=change), film))
-        return rows_of(play_footage(job, change(film)))
+            return rows_of(complete_episode(replace(job, system=change), film))
+        return rows_of(complete_episode(job, change(film)))
     except Exception as fault:
         return rows_of(
             EpisodeFailure(job.name, job.seed, str(fault), job.scenario.group, digest_of(job))
@@ -393,7 +396,7 @@ def play_one(job: Job, film: Kept, change: System | Callable[[Kept], Kept]) -> E
 
 
 def jobs_of(suite: str, seeds: int) -> list[Job]:
-    request = RunRequest((suite,), seeds, PRESET, PRESET, PRESET, (), None, None, ())
+    request = PlanRequest((suite,), seeds, detector=PRESET, tracker=PRESET)
     # A scenario of two suites is another episode in each.
     return [replace(job, label=f"{suite}.{job.name}", keep_pictures=False) for job in plan(request)]
 
@@ -403,31 +406,27 @@ def main() -> None:
     parser.add_argument("--suite", action="append")
     parser.add_argument("--seeds", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("runs/gate_power"))
-    words = parser.parse_args()
-    jobs = [job for s in words.suite or ["smoke", "core"] for job in jobs_of(s, words.seeds)]
-    # Workers find this module, and so its plug-ins, by name.
-    here = str(Path(__file__).parent)
-    os.environ["PYTHONPATH"] = os.pathsep.join([here, os.environ.get("PYTHONPATH", "")])
-    for name in ("LP_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-        os.environ.setdefault(name, "0" if name.startswith("LP") else "1")
-    played: dict[str, list[EpisodeRows]] = {name: [] for name in {**BUGS, **HARMLESS}}
-    spawn = get_context("spawn")
-    with ProcessPoolExecutor(os.cpu_count(), mp_context=spawn, initializer=ready) as workers:
-        for n, rows in enumerate(workers.map(play_all, jobs), 1):
-            for name, row in rows.items():
-                played[name].append(row)
-            sys.stderr.write(f"\r{n} of {len(jobs)} episodes")
-    entries = {job.name: entry_of(job) for job in jobs}
+    options = parser.parse_args()
+    jobs = [job for s in options.suite or ["smoke", "core"] for job in jobs_of(s, options.seeds)]
+    # Under its own name, not `__main__`: workers find it, and its plug-ins, by that name.
+    module = importlib.import_module("gate_power")
+    episodes: dict[int, dict[str, EpisodeRows]] = {}
+    with local_executor(worker_count(None)) as executor:
+        for outcome in executor.outcomes(module.play_all, dict(enumerate(jobs)), TIME_LIMIT_S):
+            if outcome is None:
+                continue
+            index, answer = outcome
+            if isinstance(answer, Lost):
+                raise SystemExit(f"{jobs[index].name} seed {jobs[index].seed}: no result: {answer}")
+            episodes[index] = answer.value
+            sys.stderr.write(f"\r{len(episodes)} of {len(jobs)} episodes")
+    played = {name: [episodes[i][name] for i in sorted(episodes)] for name in {**BUGS, **HARMLESS}}
+    entries = {job.name: scenario_record(job) for job in jobs}
     runs = {
-        name: load(save(words.out / f"{n:02d}", rows, RunInfo(name, entries=entries)))
+        name: load(save(options.out / f"{n:02d}", rows, RunInfo(name, entries=entries)))
         for n, (name, rows) in enumerate(played.items())
     }
     report(runs)
-
-
-def ready() -> None:
-    """So that a factory's module is this one under its own name, not `__main__`."""
-    importlib.import_module("gate_power")
 
 
 def report(runs: dict[str, SavedRun]) -> None:
@@ -441,9 +440,9 @@ def report(runs: dict[str, SavedRun]) -> None:
         failed = [m.metric.name for m in verdict.metrics if m.verdict == "fail"]
         caught += name in BUGS and verdict.verdict == "fail"
         flagged += name in HARMLESS and verdict.verdict == "fail"
-        said = f"{verdict.verdict}, identical" if verdict.identical else verdict.verdict
+        words = f"{verdict.verdict}, identical" if verdict.identical else verdict.verdict
         print(
-            f"| {'bug' if name in BUGS else 'harmless'}: {name} | {said} | "
+            f"| {'bug' if name in BUGS else 'harmless'}: {name} | {words} | "
             f"{', '.join(failed) or '-'} | {by['error_mm'].base:.1f} → {by['error_mm'].new:.1f} | "
             f"{100 * by['missed'].base:.1f} → {100 * by['missed'].new:.1f} | "
             f"{100 * by['swapped'].new:.0f}, {100 * by['lost'].new:.0f} |"

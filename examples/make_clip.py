@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from sim.clips.clips import ARM_JOINTS
-from sim.motion.motion import Performer, Plan
+from sim.motion.motion import MotionPlan, Performer
 from sim.motion.planner import HandPlanner, raised
 from sim.motion.strokes import wobble
 from sim.pose import SIDES
@@ -62,7 +62,7 @@ def performer(scene: SceneSpec) -> Performer:
             bow = BOW_M * np.array([0.2, 0.5 * outward, 1.0])
             hand.move(pose, 10.0, bow, least_s=length_s)
         hands.append(hand.path())
-    plan = Plan(
+    plan = MotionPlan(
         hands=(hands[0], hands[1]),
         sway=wobble(rng, 0.012, 0.2, 0.5),
         tremor=(wobble(rng, 0.003, 0.5, 1.6), wobble(rng, 0.003, 0.5, 1.6)),

@@ -4,23 +4,22 @@ import numpy as np
 
 from pjpdaf.camera import project, triangulate
 from pjpdaf.interfaces import Estimates
-from pjpdaf.presets.parameters import TrackerParameters
-from pjpdaf.tracker.start import find_head_and_hands
+from pjpdaf.tracker.start import StartParameters, find_head_and_hands
 
 
 class NearestBlob:
     def __init__(self, cameras, reach_px=80.0):
         self.cameras, self.reach_px = cameras, reach_px
 
-    def start(self, seen):
-        places = find_head_and_hands(self.cameras, seen, TrackerParameters())
+    def start(self, detections):
+        places = find_head_and_hands(self.cameras, detections, StartParameters())
         return None if places is None else (places, ("tracked",) * 3)
 
-    def step(self, state, seen, dt_s):
+    def step(self, state, detections, dt_s):
         places, status = state[0].copy(), ["coasting"] * 3
         for target in range(3):
             pixels = []
-            for camera, view in zip(self.cameras, seen, strict=True):
+            for camera, view in zip(self.cameras, detections, strict=True):
                 away = np.linalg.norm(view.centres_px - project(camera, places[target]), axis=1)
                 if len(away) and away.min() < self.reach_px:
                     pixels.append(view.centres_px[away.argmin()])

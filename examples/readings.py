@@ -7,18 +7,19 @@ from __future__ import annotations
 
 import multiprocessing
 import sys
-from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
 
 import numpy as np
 
-from pjpdaf.interfaces import Estimates
-from pjpdaf.presets.parameters import FRAME_S, find_preset, with_values
+from pjpdaf.presets.override import with_values
+from pjpdaf.presets.registry import find_preset
 from pjpdaf.tracker.filter import PJPDAF
+from pjpdaf.tracker.thesis_units import FRAME_S
 from reports.run.rows import rows_of
-from reports.score.records import Episode, FrameOutcome
-from scenarios.play.play import Job, System, play
+from reports.score.records import Episode
+from scenarios.play.job import Job, System
+from scenarios.play.oracle import Oracle, track_again
+from scenarios.play.play import play
 from scenarios.spec.names import load_scenario
 
 SCENARIOS = ("calm_table", "drink", "cross", "bounce", "speed_ladder")
@@ -55,21 +56,7 @@ def film(task: tuple[str, int]) -> Episode:
 
 def replayed(episode: Episode, changes: dict[str, object]) -> Episode:
     parameters = with_values(find_preset("thesis").tracker, changes)
-    tracker = PJPDAF(episode.cameras, parameters)
-    return replace(episode, frames=tuple(_outcomes(episode, tracker)), pictures=())
-
-
-def _outcomes(episode: Episode, tracker: PJPDAF) -> Iterator[FrameOutcome]:
-    state, last_s = None, 0.0
-    for outcome in episode.frames:
-        now_s = outcome.truth.time_s
-        if state is None:
-            state = tracker.start(outcome.detections)
-            said = Estimates.waiting() if state is None else tracker.estimates(state)
-        else:
-            state, said = tracker.step(state, outcome.detections, now_s - last_s)
-        last_s = now_s
-        yield FrameOutcome(outcome.truth, said, outcome.detections)
+    return track_again(episode, episode.cameras, PJPDAF(episode.cameras, parameters), Oracle())
 
 
 def cell(episodes: list[Episode], changes: dict[str, object]) -> tuple[float, str]:

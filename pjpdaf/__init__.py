@@ -1,1 +1,1 @@
-"""Detector and tracker: what is believed about head and hands. Needs numpy, scipy, OpenCV."""
+"""Detector and tracker: beliefs about head and hands. Needs numpy, scipy, OpenCV."""

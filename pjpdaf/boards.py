@@ -14,8 +14,8 @@ from pjpdaf.errors import BenchError
 BOARD_KINDS = ("chessboard", "charuco")
 REFINE_MIN_PX, REFINE_MAX_PX = 2, 10  # half the window of the sub-pixel search
 CHARUCO_CORNERS_MIN = 6  # fewer do not fix a pose and a lens
-# One after another until one finds the board. Normalising the picture comes late: where most of it
-# is dark it turns noise into contrast, and 23 of 32 rendered boards on black were not found.
+# Tried in order until the board is detected. Normalising the picture comes late: where most of it
+# is dark it turns noise into contrast, and 23 of 32 rendered boards on black were missed.
 _CHESSBOARD_SEARCHES = (
     (cv2.findChessboardCornersSB, cv2.CALIB_CB_ACCURACY),
     (cv2.findChessboardCorners, cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE),
@@ -75,7 +75,7 @@ class Board:
 
 @dataclass(frozen=True, eq=False)
 class Corners:
-    """Inner corners found in one picture: ids (n,) into `Board.corners_m`, pixels (n, 2) [px]."""
+    """Inner corners detected in a picture: ids (n,) into `Board.corners_m`, pixels (n, 2) [px]."""
 
     ids: np.ndarray
     pixels: Floats
@@ -92,24 +92,24 @@ def charuco_board(board: Board) -> cv2.aruco.CharucoBoard:
 
 
 def find_corners(board: Board, picture: np.ndarray) -> Corners | None:
-    """Corners of the board in a picture uint8 BGR (h, w, 3) or grey (h, w), None if not found.
+    """Detect the corners of the board in a picture uint8 BGR (h, w, 3) or grey (h, w).
 
-    A chessboard counts only when all corners are seen. Which of its ends comes first is not known
-    where it looks the same upside down: see `turned`.
+    None where there is no board. A chessboard counts only when all corners are seen. Which of its
+    ends comes first is not known where it looks the same upside down: see `turned`.
     """
     grey = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY) if picture.ndim == 3 else picture
     if board.kind == "charuco":
         pixels, ids, _, _ = cv2.aruco.CharucoDetector(charuco_board(board)).detectBoard(grey)
         if ids is None or len(ids) < CHARUCO_CORNERS_MIN:
             return None
-        found_ids = np.ravel(ids).astype(np.intp)
+        corner_ids = np.ravel(ids).astype(np.intp)
         # The window must stay clear of the markers inside the squares.
         clear = (board.square_m - board.marker_m) / (2 * board.square_m)
-        return Corners(found_ids, _refined(board, grey, found_ids, np.asarray(pixels), clear))
+        return Corners(corner_ids, _refined(board, grey, corner_ids, np.asarray(pixels), clear))
     size = (board.columns, board.rows)
     for detect, flags in _CHESSBOARD_SEARCHES:
-        found, pixels = detect(grey, size, flags=flags)
-        if found:
+        detected, pixels = detect(grey, size, flags=flags)
+        if detected:
             all_ids = np.arange(board.columns * board.rows)
             return Corners(all_ids, _refined(board, grey, all_ids, np.asarray(pixels), 0.3))
     return None
@@ -140,19 +140,19 @@ def _refined(
     stop = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-4)
     fine = cv2.cornerSubPix(grey, pixels.reshape(-1, 1, 2).copy(), (half, half), (-1, -1), stop)
     fine = np.asarray(fine).reshape(-1, 2)
-    # A search that went further has found something else (a marker, the board's rim).
+    # A search that went further ended at a marker or at the board's rim.
     strayed = np.linalg.norm(fine - pixels, axis=1) > max(1.0, half / 3)
     return np.where(strayed[:, None], pixels, fine).astype(np.float64)
 
 
 def turned(board: Board, corners: Corners) -> Corners:
-    """The same corners numbered from the other end: the board turned by 180 degrees."""
+    """Number the corners from the other end: the board turned by 180 degrees."""
     n = board.columns * board.rows
     return Corners(n - 1 - corners.ids, corners.pixels)
 
 
 def draw_corners(board: Board, picture: np.ndarray, corners: Corners | None) -> np.ndarray:
-    """A copy of a BGR picture with the corners found drawn in."""
+    """Draw the corners into a copy of a BGR picture (h, w, 3)."""
     drawn = picture.copy()
     if corners is None:
         return drawn

@@ -126,7 +126,7 @@ def distort_points(camera: Camera, pixels: Floats) -> Floats:
 
 
 def undistort_picture(camera: Camera, picture: np.ndarray) -> np.ndarray:
-    """A picture (h, w, 3) resampled to the ideal pinhole with the same K, as in the thesis."""
+    """Resample a picture (h, w, 3) to the ideal pinhole with the same K, as in the thesis."""
     if not np.any(camera.distortion):
         return picture
     ideal: np.ndarray = cv2.undistort(picture, np.array(camera.K), np.array(camera.distortion))
@@ -134,13 +134,13 @@ def undistort_picture(camera: Camera, picture: np.ndarray) -> np.ndarray:
 
 
 def triangulate(cameras: tuple[Camera, ...], pixels: Floats) -> Floats:
-    """One point seen in N >= 2 views, undistorted pixels (N, 2), to the world, (3,) [m].
+    """Triangulate a point (3,) [m] from its undistorted pixels (N, 2) in N >= 2 views.
 
     Linear triangulation by SVD (Eq. 3.45). NaN where the rays are parallel (point at infinity).
     """
     rows = []
     for camera, (x, y) in zip(cameras, pixels, strict=True):
-        # Rows are scaled by the focal length: the null space is found in angles, not pixels.
+        # Rows are scaled by the focal length: the null space is taken in angles, not pixels.
         M = camera.M / np.array([[camera.K[0, 0]], [camera.K[1, 1]], [1.0]])
         rows.append(x / camera.K[0, 0] * M[2] - M[0])
         rows.append(y / camera.K[1, 1] * M[2] - M[1])

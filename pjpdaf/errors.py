@@ -1,13 +1,82 @@
 """Faults that a user can put right; the command line prints them as one line."""
 
+from __future__ import annotations
+
+import difflib
+import pickle
+from collections.abc import Collection
+from pathlib import Path
+from typing import Any, Self, TypeVar
+
+E = TypeVar("E", bound="BenchError")
+
 
 class BenchError(Exception):
-    """A fault of the input: rule, value, choices, remedy, in one line. Exit code 2."""
+    """A fault of the input: rule, value, choices, remedy, in one line. Exit code 2.
+
+    It crosses processes: type, line, fields and exit code survive pickling. Where the type or a
+    field cannot be pickled, or not be read at the other end, a BenchError of the same line and
+    exit code arrives.
+    """
 
     exit_code = 2
 
+    def reworded(self, line: str) -> Self:
+        """Copy the fault, with its type, fields and exit code, and another line."""
+        return _restored(type(self), (line,), self.__dict__)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        try:
+            whole = pickle.dumps((type(self), self.args, self.__dict__))
+        except Exception:  # pickle raises nearly anything
+            whole = b""
+        return _unpickled, (whole, str(self), self.exit_code)
+
 
 class InfrastructureError(BenchError):
-    """The machine lacks something (OpenGL, disk, a worker that died). Exit code 5."""
+    """A fault of the machine (OpenGL, disk, a worker that died). Exit code 5."""
 
     exit_code = 5
+
+
+class FileError(BenchError):
+    """A fault of a file: `file` is its path, `cause` the broken rule, without a final stop.
+
+    The line is "file: cause."; with a line number, "file:number: cause."
+    """
+
+    def __init__(self, file: Path | str, cause: str, line_number: int | None = None) -> None:
+        place = file if line_number is None else f"{file}:{line_number}"
+        super().__init__(f"{place}: {cause}.")
+        self.file, self.cause = Path(file), cause
+
+
+class PlugInFault(Exception):
+    """A plug-in that raised, or whose answer breaks the protocol. One line; ends its episode."""
+
+
+def _unpickled(whole: bytes, line: str, exit_code: int) -> BenchError:
+    if whole:
+        try:
+            error: BenchError = _restored(*pickle.loads(whole))
+            return error
+        except Exception:  # a class that is not importable here, a field that cannot be built
+            pass
+    plain = BenchError(line)
+    plain.exit_code = exit_code
+    return plain
+
+
+def _restored(kind: type[E], arguments: tuple[Any, ...], fields: dict[str, Any]) -> E:
+    """An error built without `__init__`, whose parameters differ from class to class."""
+    error: E = kind.__new__(kind, *arguments)
+    error.args = arguments
+    error.__dict__.update(fields)
+    return error
+
+
+def did_you_mean(name: str, known: Collection[str]) -> str:
+    """' Did you mean ...? Known: ...' for the end of an error message."""
+    near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+    hint = f" Did you mean {near[0]!r}?" if near else ""
+    return f"{hint} Known: {', '.join(sorted(known))}."

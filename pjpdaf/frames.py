@@ -1,4 +1,4 @@
-"""Stereo frames: what the cameras saw at one moment."""
+"""Stereo frames: the pictures of all cameras at one moment."""
 
 from __future__ import annotations
 

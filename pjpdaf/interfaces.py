@@ -1,4 +1,4 @@
-"""What passes between detector, tracker and runner, and the two plug-in protocols."""
+"""Records that pass between detector and tracker, and the two plug-in protocols."""
 
 from __future__ import annotations
 
@@ -16,12 +16,15 @@ STATUSES = ("waiting", "tracked", "coasting", "lost")
 
 @dataclass(frozen=True, eq=False)
 class Detections:
-    """What the detector found in one view.
+    """Blobs that the detector sees in one view.
 
     centres_px (n, 2) in the undistorted picture; covariances_px2 (n, 2, 2); ellipses (n, 5):
     centre x, y [px], semi-axes a >= b [px], angle of the major axis from +x towards +y [rad];
     areas_px (n,). missing: the picture itself was missing, so that absence means nothing.
     mask: optional uint8 (h, w) of the accepted skin pixels.
+    evidence: optional (n, T), the log-likelihood of each blob's appearance if it shows target t,
+    up to a constant for each blob; -inf rules the target out; None = no evidence.
+    Raises ValueError for another shape, or for evidence that is NaN or +inf.
     """
 
     centres_px: Floats
@@ -30,25 +33,30 @@ class Detections:
     areas_px: Floats
     missing: bool = False
     mask: np.ndarray | None = field(default=None, repr=False)
+    evidence: Floats | None = None
 
     def __post_init__(self) -> None:
         n = len(self.centres_px)
-        shapes = {
+        shapes: dict[str, tuple[int | None, ...]] = {
             "centres_px": (n, 2),
             "covariances_px2": (n, 2, 2),
             "ellipses": (n, 5),
             "areas_px": (n,),
         }
+        if self.evidence is not None:
+            shapes["evidence"] = (n, None)
         for name, shape in shapes.items():
             value = readonly(getattr(self, name), shape, f"Detections.{name}")
             object.__setattr__(self, name, value)
+        if self.evidence is not None and not np.all(self.evidence < np.inf):  # false for NaN
+            raise ValueError("Detections.evidence must be finite or -inf, got NaN or +inf")
 
     def __len__(self) -> int:
         return len(self.centres_px)
 
     @staticmethod
     def none(missing: bool = False) -> Detections:
-        """An empty record."""
+        """Return an empty record."""
         return Detections(
             np.zeros((0, 2)), np.zeros((0, 2, 2)), np.zeros((0, 5)), np.zeros(0), missing
         )
@@ -56,10 +64,10 @@ class Detections:
 
 @dataclass(frozen=True, eq=False)
 class Estimates:
-    """What the tracker believes after a frame; targets in the order of `pjpdaf.targets.TARGETS`.
+    """Estimates of the tracker after a frame; targets in the order of `pjpdaf.targets.TARGETS`.
 
     positions_m (T, 3) world; covariances_m2 (T, 3, 3); velocities_mps (T, 3);
-    status: per target one of `STATUSES` ("waiting": not started yet, positions are NaN).
+    status (T,): of `STATUSES` ("waiting": not started yet, positions are NaN).
     """
 
     positions_m: Floats
@@ -79,7 +87,7 @@ class Estimates:
 
     @staticmethod
     def waiting(T: int = 3) -> Estimates:
-        """The record of a tracker that has not started yet."""
+        """Return the record of a tracker that has not started yet."""
         nan = np.nan
         return Estimates(
             np.full((T, 3), nan), np.full((T, 3, 3), nan), np.full((T, 3), nan), ("waiting",) * T
@@ -90,13 +98,13 @@ class Detector(Protocol):
     """Pictures to measurements. Parameters and the background live on the object."""
 
     def learn(self, background: Iterable[StereoFrame]) -> Detector:
-        """A detector that knows the person-free scene."""
+        """Return a detector that knows the person-free scene."""
         ...
 
     def __call__(
         self, frame: StereoFrame, predicted: Estimates | None = None
     ) -> tuple[Detections, ...]:
-        """One `Detections` a view. `predicted`: where the tracker expects the targets, or None."""
+        """Return the detections of each view. predicted: where the tracker expects the targets."""
         ...
 
 
@@ -104,24 +112,27 @@ State = TypeVar("State")
 
 
 class Tracker(Protocol[State]):
-    """Measurements to 3-D. Parameters and cameras on the object; all that changes in State."""
+    """Measurements to 3-D. Parameters and cameras on the object; all that changes in State.
 
-    def start(self, seen: tuple[Detections, ...]) -> State | None:
-        """The first state, or None where this frame does not suffice to start: wait."""
+    Arguments are given by position; their names are free.
+    """
+
+    def start(self, detections: tuple[Detections, ...], /) -> State | None:
+        """Return the first state, or None where this frame does not suffice to start: wait."""
         ...
 
     def step(
-        self, state: State, seen: tuple[Detections, ...], dt_s: float
+        self, state: State, detections: tuple[Detections, ...], dt_s: float, /
     ) -> tuple[State, Estimates]:
-        """The state and the estimates one frame later."""
+        """Return the state and the estimates after the next frame, dt_s later."""
         ...
 
-    def estimates(self, state: State) -> Estimates:
-        """What a state says (used for the frame on which tracking started)."""
+    def estimates(self, state: State, /) -> Estimates:
+        """Return the estimates of a state (used for the frame on which tracking started)."""
         ...
 
-    def predict(self, state: State, dt_s: float) -> Estimates:
-        """What the tracker expects dt_s after `state`, handed to the detector."""
+    def predict(self, state: State, dt_s: float, /) -> Estimates:
+        """Return the estimates expected dt_s after `state`, handed to the detector."""
         ...
 
 

@@ -38,7 +38,7 @@ class PictureFolder:
 
 @dataclass(frozen=True)
 class Video:
-    """A video of one view. count and rate_hz as the container says, 0 = it does not."""
+    """A video of one view. count and rate_hz as in its container, 0 = unknown."""
 
     path: Path
     count: int
@@ -58,30 +58,30 @@ class PicturePair:
 
 
 def natural_key(name: str) -> tuple[tuple[int, int, str], ...]:
-    """Sorts 'f2' before 'f10': digits by value, text without case."""
-    parts = re.split(r"([0-9]+)", name)
-    return tuple((1, int(p), "") if p.isdecimal() else (0, 0, p.lower()) for p in parts)
+    """Key that sorts 'f2' before 'f10': digits by value, text without case."""
+    pieces = re.split(r"([0-9]+)", name)
+    return tuple((1, int(p), "") if p.isdecimal() else (0, 0, p.lower()) for p in pieces)
 
 
 def open_source(path: Path | str) -> Source:
-    """A folder of pictures, a pattern such as 'pictures/left*.png', or a video file.
+    """Open a folder of pictures, a pattern such as 'pictures/left*.png', or a video file.
 
-    Raises BenchError where there is no such thing, or nothing readable in it.
+    Raises BenchError where there is no such file or folder, or nothing readable in it.
     """
     path = Path(path)
     kinds = ", ".join(s[1:] for s in PICTURE_SUFFIXES)
     if path.is_dir():
-        found = [f for f in path.iterdir() if _is_picture(f)]
-        if not found:
+        files = [f for f in path.iterdir() if _is_picture(f)]
+        if not files:
             raise BenchError(f"{path}: no pictures in this folder ({kinds}).")
-        return PictureFolder(path, _sorted(found))
+        return PictureFolder(path, _sorted(files))
     if path.is_file():
         return _open_video(path)
     if any(c in path.name for c in "*?["):
-        found = [Path(f) for f in glob.glob(str(path)) if _is_picture(Path(f))]  # noqa: PTH207
-        if not found:
+        files = [Path(f) for f in glob.glob(str(path)) if _is_picture(Path(f))]  # noqa: PTH207
+        if not files:
             raise BenchError(f"{path}: no pictures match this pattern ({kinds}).")
-        return PictureFolder(path, _sorted(found))
+        return PictureFolder(path, _sorted(files))
     raise BenchError(
         f"{path}: no such file or folder; give a folder of pictures, a pattern or a video."
     )
@@ -98,7 +98,7 @@ def _sorted(files: list[Path]) -> tuple[Path, ...]:
 
 def _open_video(path: Path) -> Video:
     if path.suffix.lower() in PICTURE_SUFFIXES:
-        raise BenchError(f"{path}: one picture is no sequence; give its folder, or a pattern.")
+        raise BenchError(f"{path}: one picture is not a sequence; give its folder, or a pattern.")
     capture = cv2.VideoCapture(str(path))
     try:
         if not capture.isOpened():
@@ -110,7 +110,7 @@ def _open_video(path: Path) -> Video:
         rate = capture.get(cv2.CAP_PROP_FPS)
     finally:
         capture.release()
-    # Streams and some containers report garbage (negative, 1e18) for what they do not know.
+    # Streams and some containers report garbage (negative, 1e18) for values they do not know.
     return Video(path, int(count) if 0 < count < 1e8 else 0, float(rate) if 0 < rate < 1e4 else 0.0)
 
 
@@ -138,8 +138,8 @@ def picture_pairs(
 ) -> Iterator[PicturePair]:
     """Pairs of two folders or two videos, in order; memory stays flat.
 
-    Folders whose file names carry numbers that agree are paired by number, and a number that only
-    one of them has is a missing picture; else they are paired in order, and must be equally long
+    Folders whose file names carry numbers that agree are paired by number, and a number that is in
+    only one of them is a missing picture; else they are paired in order, and must be equally long
     unless `shortest`. A missing or unreadable picture is named to `warn` and is None in its pair.
 
     Raises BenchError, before the first pair, where a source cannot be read or the counts differ.
@@ -209,13 +209,13 @@ def _frames(
 
 
 def _silent(message: str) -> None:
-    """Nobody listens."""
+    """Drop the message."""
 
 
-def _check_counts(a: Source, b: Source, what: str, shortest: bool) -> None:
+def _check_counts(a: Source, b: Source, unit: str, shortest: bool) -> None:
     if a.count and b.count and a.count != b.count and not shortest:
         raise BenchError(
-            f"Left and right differ in length: {a.path} has {a.count} {what}, {b.path} {b.count}; "
+            f"Left and right differ in length: {a.path} has {a.count} {unit}, {b.path} {b.count}; "
             "a pair must have one number, or cut both to the same length."
         )
 
@@ -223,7 +223,7 @@ def _check_counts(a: Source, b: Source, what: str, shortest: bool) -> None:
 def _pairing(
     a: PictureFolder, b: PictureFolder, shortest: bool
 ) -> list[tuple[Path | None, Path | None]]:
-    """Which files belong together: by the last number in their names, else in order."""
+    """Pair files by the last number in their names, else in order."""
     left, right = _by_number(a.files), _by_number(b.files)
     common = left.keys() & right.keys()
     union = sorted(left.keys() | right.keys())
@@ -235,7 +235,7 @@ def _pairing(
 
 
 def _by_number(files: tuple[Path, ...]) -> dict[int, Path]:
-    """Files by the last number in their stems; empty if one has none, or two have the same."""
+    """Files by the last number in their stems; empty if a file has none, or two have the same."""
     numbers: dict[int, Path] = {}
     for file in files:
         digits = re.findall(r"[0-9]+", file.stem)
@@ -291,5 +291,5 @@ def _say_end(index: int, videos: tuple[Video, Video], grabbed: list[bool], say: 
     for video, more in zip(videos, grabbed, strict=True):
         early = bool(video.count) and index < video.count
         if not more and (early or any(grabbed)):
-            told = f" of {video.count}" if video.count else ""
-            say(f"{video.path}: ends after {index}{told} frames; both views stop here.")
+            total = f" of {video.count}" if video.count else ""
+            say(f"{video.path}: ends after {index}{total} frames; both views stop here.")

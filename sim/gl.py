@@ -21,8 +21,8 @@ from pjpdaf.errors import InfrastructureError
 
 REMEDY = "apt-get install --no-install-recommends libegl1 libopengl0 libgl1-mesa-dri"
 OFF = ("disable", "disabled", "off", "false", "0")  # MuJoCo's own words for "do not render"
-ON = ("", "enable", "enabled", "on", "true", "1")  # its words for "choose yourself"
-# Every group of a back end must offer one library that loads.
+ON = ("", "enable", "enabled", "on", "true", "1")  # its words for "choose a back end"
+# Of every group of a back end, one library must load.
 LIBRARIES: Mapping[str, tuple[tuple[str, ...], ...]] = {
     "egl": (("libEGL.so.1",), ("libOpenGL.so.0", "libGL.so.1")),
     "osmesa": (("libOSMesa.so.8",),),
@@ -34,7 +34,7 @@ _local = threading.local()
 
 @dataclass(frozen=True)
 class GLInfo:
-    """What renders: MuJoCo's back end, GL_RENDERER and GL_VERSION (which names Mesa's version)."""
+    """The renderer: MuJoCo's back end, GL_RENDERER and GL_VERSION (which names Mesa's version)."""
 
     backend: str
     renderer: str
@@ -54,7 +54,7 @@ def loads(library: str) -> bool:
 
 
 def missing(backend: str, probe: Callable[[str], bool] = loads) -> tuple[str, ...]:
-    """What a back end lacks, as 'libA or libB' per group; () where it is complete."""
+    """Libraries that a back end lacks, 'libA or libB' per group; () where it is complete."""
     groups = LIBRARIES.get(backend, ())
     return tuple(" or ".join(group) for group in groups if not any(map(probe, group)))
 
@@ -89,10 +89,10 @@ def choose(environment: Mapping[str, str], probe: Callable[[str], bool] = loads)
 
 
 def prepare(threads: int | None = None) -> str:
-    """Set MUJOCO_GL, and the rasteriser's threads if given; the chosen back end.
+    """Set MUJOCO_GL, and the rasteriser's threads if given; returns the back end.
 
-    threads: LP_NUM_THREADS of Mesa's llvmpipe, 0 for one process a core; a value that is set
-    already wins. Call before the first import of mujoco and before the first GL call.
+    threads: LP_NUM_THREADS of Mesa's llvmpipe, 0 for a process per core; a value in the environment
+    wins. Call before the first import of mujoco and before the first GL call.
     Raises InfrastructureError where a back end asked for by the user cannot work.
     """
     if threads is not None:
@@ -126,10 +126,11 @@ def load_mujoco() -> Any:
 
 
 def context() -> Any:
-    """This thread's one GL context, created at the first call, and made current.
+    """This thread's GL context, created at the first call, and made current.
 
     It lives as long as the process: contexts leak, and switching between them corrupts. Raises
-    InfrastructureError where none can be made, or in a process forked from one that had rendered.
+    InfrastructureError where a context cannot be made, or in a process that was forked after
+    rendering.
     """
     pid = os.getpid()
     owner = getattr(_local, "pid", pid)
@@ -164,7 +165,7 @@ def _create_context() -> Any:
 
 
 def info() -> GLInfo:
-    """What renders here. Raises InfrastructureError where no context can be made."""
+    """The renderer of this thread. Raises InfrastructureError where no context can be made."""
     context()
     GL = importlib.import_module("OpenGL.GL")
     renderer, version = (GL.glGetString(name) for name in (GL.GL_RENDERER, GL.GL_VERSION))
@@ -172,7 +173,7 @@ def info() -> GLInfo:
 
 
 def describe() -> str:
-    """What renders here, in one line. Raises InfrastructureError where nothing does."""
+    """The renderer in one line. Raises InfrastructureError where there is none."""
     return str(info())
 
 

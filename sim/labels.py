@@ -13,6 +13,7 @@ from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, undistort_points
 from pjpdaf.targets import TARGETS
 from sim.camera.render import ViewRender
+from sim.event_names import merge_name
 from sim.pose import Pose
 from sim.scene.world import CAMERAS
 from sim.script import Script
@@ -62,7 +63,7 @@ def truth_of(
 
 
 def view_truth(view: ViewRender) -> ViewTruth:
-    """What one view shows of the targets."""
+    """The targets' visible skin in a view that was rendered with labels and amodal masks."""
     assert view.targets is not None, "a truth needs the labels"
     assert view.amodal_px is not None, "a truth needs the amodal counts"
     T = len(TARGETS)
@@ -78,7 +79,7 @@ def view_truth(view: ViewRender) -> ViewTruth:
     return ViewTruth(
         centroids_px=centroids,
         visible_px=visible,
-        # At the picture's resolution a sliver may show in one pass and not in the other.
+        # At the picture's resolution a sliver may show in one render pass and not in the other.
         amodal_px=np.maximum(view.amodal_px, visible),
         boxes_px=boxes,
         merged=merged(view.targets, boxes),
@@ -126,12 +127,12 @@ def _touch(targets: NDArray[np.int8], a: int, b: int, boxes_px: Floats) -> bool:
 
 def merge_events(views: Sequence[ViewTruth]) -> tuple[str, ...]:
     """A label per view and pair of targets whose visible skin is one blob."""
-    found = []
+    events = []
     for camera, view in zip(CAMERAS, views, strict=True):
         for a, b in combinations(range(len(TARGETS)), 2):
             if view.merged[a, b]:
-                found.append(f"merge:{TARGETS[a]}+{TARGETS[b]}:{camera}_view")
-    return tuple(found)
+                events.append(merge_name(TARGETS[a], TARGETS[b], camera))
+    return tuple(events)
 
 
 def visible_surfaces(

@@ -13,13 +13,14 @@ from pjpdaf.camera import Camera, distort_points, undistort_points
 
 SCALE = 2  # both pictures are sampled this much finer per axis
 LARGEST = 2.0  # times the real picture's width or height
-BORDER_PX, OUTWARD_STEPS = 8, 33  # where `check` looks: along the border, and from the middle to it
+BORDER_PX, OUTWARD_STEPS = 8, 33  # samples of `check`: along the border, and from the middle to it
 ROUND_TRIP_PX = 0.01
+POLYNOMIAL = 12  # coefficients of a lens that are polynomials; two more tilt the sensor
 
 
 @dataclass(frozen=True, eq=False)
 class Lens:
-    """Where each pixel of the real picture lies in the ideal one.
+    """The position of each pixel of the real picture in the ideal picture.
 
     ideal: the pinhole to render, same pose and focal lengths, wide enough. colour_map
     (SCALE h, SCALE w, 2) float32: fine real pixel -> fine ideal pixel. corners (4, h, w): flat
@@ -48,7 +49,7 @@ class Lens:
     def inverse_depth(
         self, fine: NDArray[np.float32], step: float
     ) -> tuple[Floats, NDArray[np.bool_]]:
-        """What is linear in 1/z (h, w), likewise; exact on plane surfaces.
+        """Real values (h, w), linear in 1/z, from the ideal ones at SCALE; exact on planes.
 
         It does not hold where slopes change by more than a step from one fine pixel to the next.
         """
@@ -96,8 +97,8 @@ def _around(at: Floats, ideal: Camera) -> tuple[NDArray[np.int64], Floats]:
 def check(camera: Camera) -> None:
     """Raise ValueError for a lens that cannot be rendered.
 
-    That is one whose ideal picture would be over LARGEST times as big, or that shows a point of
-    the world twice: there, a point further from the picture's middle is shown nearer to it.
+    Its ideal picture would be over LARGEST times as big, or it shows a point of the world twice:
+    a point further from the picture's middle is shown nearer to it.
     """
     if not np.any(camera.distortion):
         return
@@ -109,17 +110,18 @@ def check(camera: Camera) -> None:
         + [[[width - 1.0, height - 1.0]]]
     )
     ideal = undistort_points(camera, border)
-    what = f"lens distortion {tuple(camera.distortion.tolist())} is too strong to render: "
+    too_strong = f"lens distortion {tuple(camera.distortion.tolist())} is too strong to render"
     size = np.ptp(ideal, axis=0)
     if not np.all(size <= LARGEST * np.array([width, height])):
-        raise ValueError(f"{what}the ideal picture would have {size[0]:.0f} x {size[1]:.0f} pixels")
+        pixels = f"{size[0]:.0f} x {size[1]:.0f} pixels"
+        raise ValueError(f"{too_strong}: the ideal picture would have {pixels}")
     middle = camera.K[:2, 2]
     outwards = np.linspace(0.0, 1.0, OUTWARD_STEPS)[:, None, None]
     shown = distort_points(camera, (middle + outwards * (ideal - middle)).reshape(-1, 2))
     distance = np.linalg.norm(shown.reshape(-1, *border.shape) - middle, axis=-1)
     met = np.abs(shown[-len(border) :] - border).max() < ROUND_TRIP_PX
     if not met or not np.all(np.diff(distance, axis=0) > 0):
-        raise ValueError(f"{what}it shows some points twice")
+        raise ValueError(f"{too_strong}: it shows some points twice")
 
 
 def ideal_pixels(camera: Camera) -> Floats:
@@ -127,6 +129,38 @@ def ideal_pixels(camera: Camera) -> Floats:
     y, x = np.mgrid[: camera.height_px, : camera.width_px]
     real = np.stack([x.ravel(), y.ravel()], axis=-1)
     return undistort_points(camera, real).reshape(*x.shape, 2)
+
+
+def real_pixels(
+    camera: Camera, lens: Lens | None, x: NDArray[np.float32], y: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Real pixels x, y of ideal pixels x, y, of the pinhole with the camera's K.
+
+    NaN beyond the ideal picture, where the lens may show nothing, or fold.
+    """
+    if lens is None:
+        return x, y
+    low = camera.K[:2, 2] - lens.ideal.K[:2, 2]
+    high = low + np.array([lens.ideal.width_px, lens.ideal.height_px]) - 1
+    known = (x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1])
+    x, y = np.where(known, x, np.float32(np.nan)), np.where(known, y, np.float32(np.nan))
+    if len(camera.distortion) > POLYNOMIAL:
+        at = distort_points(camera, np.stack([x.ravel(), y.ravel()], axis=-1)).astype(np.float32)
+        return at[:, 0].reshape(x.shape), at[:, 1].reshape(x.shape)
+    # OpenCV's own formula; its function takes ten times as long.
+    fx, cx, fy, cy = (np.float32(camera.K[i]) for i in ((0, 0), (0, 2), (1, 1), (1, 2)))
+    given = np.zeros(POLYNOMIAL, np.float32)
+    given[: len(camera.distortion)] = camera.distortion
+    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4 = given
+    u, v = (x - cx) / fx, (y - cy) / fy
+    r2, uv2 = u * u + v * v, 2 * u * v
+    radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    if k4 or k5 or k6:
+        radial = radial / (1 + r2 * (k4 + r2 * (k5 + r2 * k6)))
+    return (
+        fx * (u * radial + p1 * uv2 + p2 * (r2 + 2 * u * u) + r2 * (s1 + r2 * s2)) + cx,
+        fy * (v * radial + p1 * (r2 + 2 * v * v) + p2 * uv2 + r2 * (s3 + r2 * s4)) + cy,
+    )
 
 
 def finer(at: Floats, scale: int) -> Floats:

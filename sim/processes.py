@@ -1,7 +1,7 @@
-"""Worker processes that render, isolated from each other and from the parent.
+"""A pool of worker processes that are isolated from each other and from the parent.
 
-A worker that is killed is replaced, and its task done again. Pools of libraries share a queue and
-its lock among their workers: one that is killed with it in hand stops them all.
+A killed worker is replaced, and its task done again. Pools of libraries share a queue and its lock
+among their workers: a worker that is killed while it holds the lock stops all others.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import signal
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from multiprocessing import connection
@@ -22,8 +22,9 @@ from typing import Any, Generic, TypeVar
 
 from pjpdaf.errors import InfrastructureError
 
-ATTEMPTS = 3  # of a task whose worker is killed
+ATTEMPTS = 3  # at a task whose worker is killed
 POLL_S = 0.5
+START_LIMIT_S = 300.0  # for a worker to start and to import what a task needs
 END_LIMIT_S = 5.0  # for a worker to end by itself
 SELF_TEST_LIMIT_S = 120.0
 # One process a core: the software rasteriser's and the libraries' own threads only get in the way.
@@ -34,21 +35,26 @@ WORKER_ENVIRONMENT = {
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
 }
+# Ctrl-C and a closed terminal reach the whole process group: only the parent decides about them.
+TERMINAL_SIGNALS = (signal.SIGINT, signal.SIGHUP)
+_BEGUN, _RETURNED, _RAISED = "begun", "returned", "raised"  # messages of a worker
 T = TypeVar("T")
 R = TypeVar("R")
 
 
 @dataclass(frozen=True)
 class Answer(Generic[R]):
-    """What a task returned."""
+    """The value that a task returned."""
 
     value: R
 
 
 @dataclass(frozen=True)
 class Lost:
-    """A task without an answer. late: it took longer than its limit; else its worker was killed
-    in each of `attempts` attempts, the last time with this exit code.
+    """A task without an answer.
+
+    late: it exceeded its time limit; otherwise its worker was killed in each of `attempts`
+    attempts, the last time with `exit_code`.
     """
 
     late: bool
@@ -56,17 +62,18 @@ class Lost:
     exit_code: int | None = None
 
 
-class Workers:
-    """So many worker processes. Use it with `with`; an exception inside ends them at once.
+class WorkerPool:
+    """A pool of `count` isolated worker processes; a context manager, which ends them at once.
 
-    Each has a pipe of its own and no lock with others: whenever one is killed, the rest go on.
-    tasks_each: a worker is replaced after so many tasks, 0: never.
+    Each worker has a pipe of its own and shares no lock with others: when one is killed, the rest
+    go on. After `close` it can be used again. tasks_per_worker: a worker is replaced after this
+    many tasks; 0: never.
     """
 
-    def __init__(self, count: int, tasks_each: int = 0) -> None:
+    def __init__(self, count: int, tasks_per_worker: int = 0) -> None:
         for name, value in WORKER_ENVIRONMENT.items():
             os.environ.setdefault(name, value)
-        self._count, self._tasks_each = count, tasks_each
+        self._count, self._tasks_per_worker = count, tasks_per_worker
         self._workers: list[_Worker] = []
 
     def outcomes(
@@ -76,66 +83,67 @@ class Workers:
         limit_s: float,
         attempts: int = ATTEMPTS,
     ) -> Iterator[tuple[int, Answer[R] | Lost] | None]:
-        """`function` of every task, as they end, by number; None now and then while waiting.
+        """Yield (index, outcome) of `function(task)` as tasks end, None on each poll.
 
-        limit_s: of one attempt; attempts: of a task whose worker is killed. An exception of
-        `function` comes out here.
+        limit_s: time limit of one attempt, from the moment that a worker begins it; attempts: of a
+        task whose worker is killed. Raises what `function` raises.
         """
         waiting, tried = deque(tasks), dict.fromkeys(tasks, 0)
-        while waiting or any(worker.number is not None for worker in self._workers):
-            for worker in self._free(len(waiting)):
-                tried[waiting[0]] += 1
-                worker.give(waiting[0], function, tasks[waiting.popleft()])
-            busy = [worker for worker in self._workers if worker.number is not None]
-            connection.wait([handle for one in busy for handle in one.handles], POLL_S)
-            for worker in busy:
-                number, said = worker.number, worker.answer(limit_s)
-                assert number is not None
-                if said is None:
-                    continue
-                if isinstance(said, Lost):
-                    self._workers.remove(worker)
-                    if not said.late and tried[number] < attempts:
-                        waiting.append(number)
+        try:
+            while waiting or any(worker.task_index is not None for worker in self._workers):
+                for worker in self._idle_workers(len(waiting)):
+                    tried[waiting[0]] += 1
+                    worker.assign(waiting[0], function, tasks[waiting.popleft()], limit_s)
+                busy = [worker for worker in self._workers if worker.task_index is not None]
+                connection.wait([handle for worker in busy for handle in worker.handles], POLL_S)
+                for worker in busy:
+                    index, outcome = worker.task_index, worker.outcome()
+                    assert index is not None
+                    if outcome is None:
                         continue
-                    said = replace(said, attempts=tried[number])
-                elif self._tasks_each and worker.done >= self._tasks_each:
-                    self._workers.remove(worker)
-                    worker.end()
-                yield number, said
-            yield None
+                    if isinstance(outcome, Lost):
+                        self._workers.remove(worker)
+                        if not outcome.late and tried[index] < attempts:
+                            waiting.append(index)
+                            continue
+                        outcome = replace(outcome, attempts=tried[index])
+                    elif self._tasks_per_worker and worker.done >= self._tasks_per_worker:
+                        self._workers.remove(worker)
+                        worker.end()
+                    yield index, outcome
+                yield None
+        finally:
+            self._end_busy()  # where the caller or a task raised; else there are none
 
     def renderer(self) -> str:
-        """The renderer's description, from the self-test in a worker. Raises InfrastructureError.
+        """The renderer's description, from the self-test in a worker.
 
-        A worker that is killed from outside (as for want of memory) is no fault of OpenGL's.
+        Raises InfrastructureError; not where a worker is killed from outside, as for want of
+        memory: that is no fault of OpenGL's.
         """
         code = None
         for _ in range(ATTEMPTS):
-            found = self.outcomes(_check_renderer, {0: None}, SELF_TEST_LIMIT_S, attempts=1)
-            said = next(one for one in found if one is not None)[1]
-            if isinstance(said, Answer):
-                return said.value
-            if said.late:
+            outcomes = self.outcomes(_check_renderer, {0: None}, SELF_TEST_LIMIT_S, attempts=1)
+            outcome = next(indexed for indexed in outcomes if indexed is not None)[1]
+            if isinstance(outcome, Answer):
+                return outcome.value
+            if outcome.late:
                 raise InfrastructureError(
                     "OpenGL did not render one picture within 120 s; try MUJOCO_GL=osmesa"
                 )
-            code = said.exit_code
+            code = outcome.exit_code
             if code != -signal.SIGKILL:
                 break
         raise InfrastructureError(
             f"OpenGL ends the process (exit code {code}); see what `pjpdaf-bench doctor` says"
         )
 
-    def stop(self) -> None:
-        """End all workers now, also those that are still starting."""
-        for worker in self._workers:
-            worker.process.kill()
-        for worker in self._workers:
-            worker.end()
-        self._workers = []
+    def close(self) -> None:
+        """End all workers now, also those that are still starting or have a task."""
+        workers, self._workers = self._workers, []
+        _end_all(workers)
 
-    def __enter__(self) -> Workers:
+    def __enter__(self) -> WorkerPool:
         return self
 
     def __exit__(
@@ -145,71 +153,81 @@ class Workers:
         trace: TracebackType | None,
     ) -> None:
         # No worker has a task where all is well: there is nothing to wait for.
-        self.stop()
+        self.close()
 
-    def _free(self, wanted: int) -> list[_Worker]:
-        """So many workers without a task, started where there are too few."""
-        for worker in [w for w in self._workers if w.number is None]:
+    def _end_busy(self) -> None:
+        busy = [worker for worker in self._workers if worker.task_index is not None]
+        self._workers = [worker for worker in self._workers if worker not in busy]
+        _end_all(busy)
+
+    def _idle_workers(self, most: int) -> list[_Worker]:
+        """At most `most` workers without a task, started where there are too few."""
+        for worker in [w for w in self._workers if w.task_index is None]:
             if not worker.process.is_alive():  # killed while it waited
                 self._workers.remove(worker)
                 worker.end()
-        free = [worker for worker in self._workers if worker.number is None]
-        while len(free) < wanted and len(self._workers) < self._count:
-            free.append(_Worker())
-            self._workers.append(free[-1])
-        return free[:wanted]
+        idle = [worker for worker in self._workers if worker.task_index is None]
+        while len(idle) < most and len(self._workers) < self._count:
+            idle.append(_Worker())
+            self._workers.append(idle[-1])
+        return idle[:most]
 
 
 class _Worker:
-    """A process and its end of a pipe. number: of the task that it does, None without one."""
+    """A process and the parent's end of its pipe. task_index: None without a task."""
 
     def __init__(self) -> None:
         # Spawn, always: a child forked beside a GL context hangs.
         spawn = multiprocessing.get_context("spawn")
         self._pipe, theirs = spawn.Pipe()
         self.process = spawn.Process(target=_serve, args=(theirs,))
-        with _interrupt_deferred():
+        with _terminal_signals_blocked():
             self.process.start()
         theirs.close()  # so that its end is known by the pipe's
-        self.number: int | None = None
+        self.task_index: int | None = None
         self.done = 0
-        self._since = 0.0
+        self._limit_s = 0.0
+        self._due = 0.0
 
     @property
     def handles(self) -> tuple[Any, int]:
         """What `multiprocessing.connection.wait` takes: ready with an answer, and with its end."""
         return self._pipe, self.process.sentinel
 
-    def give(self, number: int, function: Callable[[T], R], task: T) -> None:
-        """Begin a task."""
-        self.number, self._since = number, time.monotonic()
-        with suppress(BrokenPipeError, ConnectionResetError):  # it ended; `answer` will say so
+    def assign(self, index: int, function: Callable[[T], R], task: T, limit_s: float) -> None:
+        """Send a task. Its time limit starts when the worker has imported what it needs."""
+        self.task_index, self._limit_s = index, limit_s
+        self._due = time.monotonic() + START_LIMIT_S + limit_s
+        with suppress(BrokenPipeError, ConnectionResetError):  # it ended; `outcome` says so
             self._pipe.send((function, task))
 
-    def answer(self, limit_s: float) -> Answer[Any] | Lost | None:
-        """What became of its task, None while it goes on. A lost worker is ended.
+    def outcome(self) -> Answer[Any] | Lost | None:
+        """The outcome of its task, None while it goes on. A lost worker is ended.
 
         Raises what the task raised.
         """
         alive = self.process.is_alive()  # asked first: an answer may come just before the end
-        if self._pipe.poll():
+        while self._pipe.poll():
             try:
-                fine, value = self._pipe.recv()
+                message, value = self._pipe.recv()
             except (EOFError, OSError, pickle.UnpicklingError):
-                return self._lost(late=False)
-            self.number = None
+                return self._end_lost(late=False)
+            if message == _BEGUN:
+                self._due = time.monotonic() + self._limit_s
+                continue
+            self.task_index = None
             self.done += 1
-            if not fine:
+            if message == _RAISED:
                 raise value
             return Answer(value)
         if not alive:
-            return self._lost(late=False)
-        if time.monotonic() - self._since > limit_s:
-            return self._lost(late=True)
+            return self._end_lost(late=False)
+        if time.monotonic() > self._due:
+            return self._end_lost(late=True)
         return None
 
     def end(self) -> None:
-        """Let it go: without its pipe it ends, and its remains are taken away."""
+        """Close its pipe, with which it ends, and remove the process."""
         self._pipe.close()
         self.process.join(END_LIMIT_S)
         if self.process.exitcode is None:
@@ -217,14 +235,21 @@ class _Worker:
             self.process.join()
         self.process.close()
 
-    def _lost(self, late: bool) -> Lost:
-        self.number = None
+    def _end_lost(self, late: bool) -> Lost:
+        self.task_index = None
         if late:
             self.process.kill()
         self.process.join(END_LIMIT_S)
         code = self.process.exitcode
         self.end()
         return Lost(late, attempts=1, exit_code=code)
+
+
+def _end_all(workers: Sequence[_Worker]) -> None:
+    for worker in workers:
+        worker.process.kill()
+    for worker in workers:
+        worker.end()
 
 
 def _serve(pipe: Any) -> None:
@@ -235,19 +260,20 @@ def _serve(pipe: Any) -> None:
             function, task = pipe.recv()
         except EOFError:
             return
+        pipe.send((_BEGUN, None))
         try:
-            answer = True, function(task)
+            answer = _RETURNED, function(task)
         except Exception as fault:
-            answer = False, fault
+            answer = _RAISED, fault
         try:
             pipe.send(answer)
         except (AttributeError, TypeError, pickle.PicklingError) as fault:
-            pipe.send((False, RuntimeError(f"its answer cannot be sent: {fault}")))
+            pipe.send((_RAISED, RuntimeError(f"its answer cannot be sent: {fault}")))
 
 
 def _prepare_worker() -> None:
-    # Ctrl-C reaches the whole process group; only the parent decides what happens then.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for number in TERMINAL_SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     import cv2
 
@@ -263,9 +289,9 @@ def _end_with_parent() -> None:
 
 
 @contextmanager
-def _interrupt_deferred() -> Iterator[None]:
-    """Ctrl-C waits until the block ends; processes and threads started in it never get it."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+def _terminal_signals_blocked() -> Iterator[None]:
+    """Block `TERMINAL_SIGNALS`, also in the processes that are started in the block."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, TERMINAL_SIGNALS)
     try:
         yield
     finally:
@@ -282,9 +308,9 @@ def _check_renderer(_: None) -> str:
 
 
 def check_renderer() -> str:
-    """Render the self-test in a process of its own; the renderer's description.
+    """Render the self-test in a new process; the renderer's description.
 
     Raises InfrastructureError where OpenGL is missing or renders in the wrong place.
     """
-    with Workers(1) as workers:
+    with WorkerPool(1) as workers:
         return workers.renderer()

@@ -8,7 +8,7 @@ import numpy as np
 
 
 def generator(seed: int, stream: str, frame: int = 0) -> np.random.Generator:
-    """An independent counter-based generator (Philox) for one address.
+    """An independent counter-based generator (Philox) for an address.
 
     The address is hashed into the key, so adding a stream or changing one parameter moves no other
     draw. Raises ValueError for a negative seed or frame.

@@ -1,14 +1,16 @@
-"""Plays a performance: stereo frames with their truth, and the person-free background."""
+"""Renders a performance: stereo frames with their truth, and person-free background frames."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
-from types import MappingProxyType, TracebackType
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
+from pjpdaf.arrays import Image
 from pjpdaf.camera import StereoRig
 from pjpdaf.frames import StereoFrame
 from sim.camera import selftest
@@ -16,7 +18,7 @@ from sim.camera.clock import moment
 from sim.camera.exposure import subframes
 from sim.camera.miscalibration import miscalibrated
 from sim.camera.render import StereoRenderer, ViewRender
-from sim.camera.sensor import Picture, expose, mean_light
+from sim.camera.sensor import expose, mean_light
 from sim.labels import centres, truth_of, velocities
 from sim.pose import Pose
 from sim.scene.rig import stereo_rig
@@ -26,31 +28,31 @@ from sim.truth import Truth
 
 
 @dataclass(frozen=True, eq=False)
-class Shot:
-    """One frame with all that is known of it.
+class RenderedFrame:
+    """A stereo frame with its truth and the clean renders behind it.
 
-    frame: pictures as the cameras give them, None where one was lost. truth: of the moment at which
-    the frame was taken, whatever time the frame itself carries. pose: of that moment. views: clean
-    renders, sharp even where the exposure blurs the pictures: of that moment too, but with shutter
-    skew the right one, and with it the right view's part of the truth, is of skew_s later. looks:
-    what the `Look` said of each view, where one was given.
+    frame: pictures as the cameras give them, None where a picture was lost. truth, pose: of the
+    moment at which the frame was taken, whatever time the frame itself carries. views: clean
+    renders of that moment, sharp even where the exposure blurs the pictures; with shutter skew the
+    right view, and the right view's part of the truth, is of skew_s later. hook_results: return
+    values of the `ViewHook` per view, None without a hook.
     """
 
     frame: StereoFrame
     truth: Truth
     views: tuple[ViewRender, ViewRender]
     pose: Pose
-    looks: tuple[Any, Any] = (None, None)
+    hook_results: tuple[Any, Any] = (None, None)
 
 
 # Called for each view (0 left, 1 right) while the world stands in the pose of its sharp render.
-Look = Callable[[World, StereoRenderer, int, ViewRender], Any]
+ViewHook = Callable[[World, StereoRenderer, int, ViewRender], Any]
 
 
-class Simulation:
-    """One performance, ready to play: compiles the scene and opens the renderer once.
+class Simulation(AbstractContextManager["Simulation"]):
+    """Renders a performance frame by frame: compiles the scene and opens the renderer once.
 
-    rig: the cameras that film; calibration: what a tracker is told of them, with the scene's
+    rig: the cameras that film; calibration: the rig that a tracker is given, with the scene's
     calibration error. Close it or use `with`. Raises InfrastructureError where OpenGL is missing or
     fails the self-test, ValueError for a scene that cannot be built.
     """
@@ -65,48 +67,46 @@ class Simulation:
 
     @property
     def fps(self) -> float:
-        """Frames a second."""
+        """Frame rate [1/s]."""
         return self.performance.fps
 
     @property
     def frame_count(self) -> int:
-        """Frames."""
+        """Number of frames."""
         return self.performance.frames
 
     @property
     def redrawn(self) -> int:
-        """How many draws of its seed were thrown away (`Performance`)."""
+        """Number of rejected draws of the seed (`Performance`)."""
         return self.performance.redrawn
 
+    @property
+    def world(self) -> World:
+        """The compiled scene; read only: `render` poses it."""
+        return self._world
+
     def frames(self) -> Iterator[tuple[StereoFrame, Truth]]:
-        """All frames in order, at times index / fps where the clock has no jitter."""
+        """Yield all frames in order with their truth, at index / fps plus the clock's jitter."""
         for index in range(self.performance.frames):
-            shot = self.shot(index)
-            yield shot.frame, shot.truth
+            rendered = self.render(index)
+            yield rendered.frame, rendered.truth
 
-    def shots(self) -> Iterator[Shot]:
-        """All frames in order, with their clean renders (for data sets)."""
-        for index in range(self.performance.frames):
-            yield self.shot(index)
+    def render(self, index: int, hook: ViewHook | None = None) -> RenderedFrame:
+        """Render the frame of this index; the same bytes in any order of indices.
 
-    def shot(self, index: int, look: Look | None = None) -> Shot:
-        """The frame of this index; any order, any time, the same bytes.
-
-        look: may render more of the world, as it stands for a view; it must not pose it.
+        hook: may render more of the world as it stands for a view, but must not pose it.
         """
         script, scene = self.performance.script, self.performance.scene
         now = moment(scene.clock, self.performance.fps, self.performance.seed, index, CAMERAS)
         pose = script.pose(now.time_s)
         if scene.sensor.skew_s > 0:
             later_s = now.time_s + scene.sensor.skew_s
-            (left,), (right,) = (
-                self._filmed(now.time_s, (0,), look),
-                self._filmed(later_s, (1,), look),
-            )
+            (left,) = self._expose_views(now.time_s, (0,), hook)
+            (right,) = self._expose_views(later_s, (1,), hook)
             moved = centres(script.pose(later_s)) - centres(pose)
             moved_m = (np.zeros_like(moved), moved)
         else:
-            left, right = self._filmed(now.time_s, (0, 1), look)
+            left, right = self._expose_views(now.time_s, (0, 1), hook)
             moved_m = None
         views = left.view, right.view
         truth = truth_of(
@@ -118,16 +118,16 @@ class Simulation:
             script.events(now.time_s),
             moved_m,
         )
-        pictures = self._exposed(index, now.time_s, (left.light, right.light), "")
+        pictures = self._sense(index, now.time_s, (left.light, right.light), "")
         arrived = tuple(p if came else None for p, came in zip(pictures, now.arrived, strict=True))
         frame = StereoFrame(index, now.stamp_s, arrived)
-        return Shot(frame, truth, views, pose, (left.look, right.look))
+        return RenderedFrame(frame, truth, views, pose, (left.hook_result, right.hook_result))
 
     def background(self) -> list[StereoFrame]:
-        """`background_frames` pictures of the room at t = 0 without the person, for learning.
+        """Render `background_frames` frames of the room at t = 0 without the person.
 
-        Table, chair and objects stay. Each has noise of its own, apart from all frames' noise. All
-        are there and in time: whoever learns can wait.
+        Table, chair and objects stay. Each picture has noise of its own, independent of the noise
+        of all frames. No picture is lost or late: a detector that learns can wait.
         """
         if self.performance.background_frames == 0:
             return []
@@ -139,7 +139,7 @@ class Simulation:
         frames = []
         for index in range(self.performance.background_frames):
             t_s = index / self.performance.fps
-            pictures = self._exposed(index, t_s, light, "background/")
+            pictures = self._sense(index, t_s, light, "background/")
             frames.append(StereoFrame(index, t_s, pictures))
         return frames
 
@@ -147,45 +147,38 @@ class Simulation:
         """Free the renderer; safe to call twice."""
         self._renderer.close()
 
-    def __enter__(self) -> Simulation:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        fault: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
-    @property
-    def world(self) -> World:
-        """The compiled scene; only looked at from outside."""
-        return self._world
-
-    def _filmed(self, time_s: float, which: tuple[int, ...], look: Look | None) -> list[_Filmed]:
-        """These views as they are exposed around time_s."""
+    def _expose_views(
+        self, time_s: float, cameras: tuple[int, ...], hook: ViewHook | None
+    ) -> list[_ExposedView]:
+        """Render these views (0 left, 1 right), each exposed around time_s."""
         script, exposure_s = self.performance.script, self.performance.scene.sensor.exposure_time_s
         moments = subframes(script, self.rig.cameras, exposure_s, time_s)
         middle = len(moments) // 2
         sharp: list[ViewRender] = []
-        looks: list[Any] = []
-        light: list[list[Picture]] = [[] for _ in which]
+        hook_results: list[Any] = []
+        subframe_pictures: list[list[Image]] = [[] for _ in cameras]
         for k, t_s in enumerate(moments):
             self._world.place(script.pose(t_s))
-            for pictures, camera in zip(light, which, strict=True):
-                full = k == middle
-                view = self._renderer.view(camera, labels=full, amodal=full)
+            for pictures, camera in zip(subframe_pictures, cameras, strict=True):
+                is_middle = k == middle
+                view = self._renderer.view(camera, labels=is_middle, amodal=is_middle)
                 pictures.append(_colour(view))
-                if full:
+                if is_middle:
                     sharp.append(view)
-                    looks.append(look and look(self._world, self._renderer, camera, view))
-        parts = zip(sharp, light, looks, strict=True)
-        return [_Filmed(view, mean_light(pictures), said) for view, pictures, said in parts]
+                    result = hook(self._world, self._renderer, camera, view) if hook else None
+                    hook_results.append(result)
+        return [
+            _ExposedView(view, mean_light(pictures), result)
+            for view, pictures, result in zip(sharp, subframe_pictures, hook_results, strict=True)
+        ]
 
-    def _exposed(
-        self, index: int, t_s: float, light: tuple[Picture, Picture], stream: str
-    ) -> tuple[Picture, Picture]:
+    def _sense(
+        self, index: int, t_s: float, light: tuple[Image, Image], stream: str
+    ) -> tuple[Image, Image]:
+        """Apply the sensor to both views' light (h, w, 3); stream: prefix of the noise streams."""
         sensor, seed = self.performance.scene.sensor, self.performance.seed
         left, right = (
             expose(picture, sensor, seed, f"{stream}{camera}", index, t_s + delay_s)
@@ -195,31 +188,19 @@ class Simulation:
 
 
 @dataclass(frozen=True, eq=False)
-class _Filmed:
-    """A view in the middle of its exposure, the picture of the whole of it, what a look said."""
+class _ExposedView:
+    """A view's sharp render, the mean light of its exposure, the hook's return value."""
 
     view: ViewRender
-    light: Picture
-    look: Any
+    light: Image
+    hook_result: Any
 
 
-def _colour(view: ViewRender) -> Picture:
+def _colour(view: ViewRender) -> Image:
     assert view.colour is not None
     return view.colour
 
 
 def rig_of(performance: Performance) -> StereoRig:
-    """The exact calibration of a performance's cameras."""
+    """The exact rig of a performance's cameras."""
     return stereo_rig(performance.scene.rig)
-
-
-def simulate(performance: Performance) -> Iterator[tuple[StereoFrame, Truth]]:
-    """All frames of a performance with their truth, in order."""
-    with Simulation(performance) as simulation:
-        yield from simulation.frames()
-
-
-def background(performance: Performance) -> list[StereoFrame]:
-    """The performance's person-free frames."""
-    with Simulation(performance) as simulation:
-        return simulation.background()

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats, readonly
+from sim.event_names import is_merge
 
 
 @dataclass(frozen=True, eq=False)
 class ViewTruth:
-    """What one view shows of the T targets (order of `pjpdaf.targets.TARGETS`).
+    """The visible skin of the T targets in a view (order of `pjpdaf.targets.TARGETS`).
 
     centroids_px (T, 2): centroid of the visible skin, NaN where nothing is visible.
     visible_px, amodal_px (T,): pixels visible / with everything else removed, inside the picture.
@@ -50,12 +51,12 @@ class ViewTruth:
 class Truth:
     """The truth of a frame, world frame, of the moment time_s at which it was really taken.
 
-    With shutter skew the right view is exposed later: what `views` says of it is of that later
-    moment, everything in three dimensions of time_s.
+    With shutter skew the right view is exposed later: its part of `views` is of that later moment,
+    everything in three dimensions of time_s.
 
     centres_m (T, 3): centres of head and palms; velocities_mps (T, 3);
     surfaces_m (T, 3): centroid of the visible skin surface over all views, NaN where unseen.
-    views: per camera. events: names of what happens in this frame (contact, grasp, merge, ...).
+    views: per camera. events: names of the events in this frame (contact, grasp, merge, ...).
     """
 
     index: int
@@ -70,3 +71,8 @@ class Truth:
         T = len(self.centres_m)
         for name in ("centres_m", "velocities_mps", "surfaces_m"):
             object.__setattr__(self, name, readonly(getattr(self, name), (T, 3), f"Truth.{name}"))
+
+    @property
+    def script_events(self) -> tuple[str, ...]:
+        """The events of the script, without the merges."""
+        return tuple(name for name in self.events if not is_merge(name))

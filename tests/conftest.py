@@ -4,6 +4,8 @@ import os
 import sys
 from pathlib import Path
 
+import pytest
+
 # Last: tests/pjpdaf must not hide the package pjpdaf.
 sys.path.append(str(Path(__file__).parent))
 
@@ -17,3 +19,12 @@ if "PYTEST_XDIST_WORKER" in os.environ:
         ("MKL_NUM_THREADS", "1"),
     ):
         os.environ.setdefault(name, value)
+
+
+@pytest.fixture(scope="session")
+def executor():
+    """Two worker processes for all tests of this process: to start them costs seconds."""
+    from scenarios.execute.local import local_executor
+
+    with local_executor(2) as pool:
+        yield pool

@@ -5,13 +5,15 @@ import shutil
 import pytest
 from shared import shared
 
+from scenarios.play.recipe import sized
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
-from sim.dataset.layout import LABELS, sequence_name
-from sim.dataset.manifest import Entry, manifest_record, write_manifest
+from sim.dataset.files.layout import LABELS, sequence_name
+from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
 from sim.dataset.writer import write_sequence
 from sim.sequence import Simulation
 
+SIZE_PX = (320, 240)
 # Hands that merge; a lens, lost pictures and a wrong calibration; a hand that leaves the view.
 SEQUENCES = (
     ("cross", 101, {"frames": 6, "background_frames": 2}),
@@ -31,6 +33,12 @@ SEQUENCES = (
 )
 
 
+def simulation_of(number):
+    """The live simulation of a sequence of the data set."""
+    name, seed, overrides = SEQUENCES[number]
+    return Simulation(sized(perform(load_scenario(name), seed, overrides), SIZE_PX))
+
+
 def make(root):
     folder = root / "set"
     folder.mkdir()
@@ -39,10 +47,10 @@ def make(root):
         scenario = load_scenario(name)
         target = folder / sequence_name(index)
         target.mkdir()
-        with Simulation(perform(scenario, seed, overrides)) as simulation:
+        with simulation_of(index) as simulation:
             write_sequence(simulation, target, tuple(LABELS), {"test": name})
         entries.append(
-            Entry(
+            SequenceEntry(
                 target.name, name, name, scenario.group, seed, "", f"{seed}", overrides["frames"], 3
             )
         )

@@ -119,14 +119,14 @@ def run_points(
     world = world or PointWorld()
     rng = np.random.default_rng(seed)
     state = tracker.start_at(motion(0.0))
-    truth, found, records = [], [], []
+    truth, positions, records = [], [], []
     for k in range(1, frames + 1):
         points = motion(k * dt_s)
         state, estimates = tracker.step(state, world.see(tracker.cameras, points, rng), dt_s)
         truth.append(points)
-        found.append(estimates.positions_m)
+        positions.append(estimates.positions_m)
         records.append(estimates)
-    return np.array(truth), np.array(found), records
+    return np.array(truth), np.array(positions), records
 
 
 @st.composite

@@ -12,7 +12,7 @@ import pandas as pd
 
 from pjpdaf.targets import TARGETS
 from scenarios.execute.episodes import play_all
-from scenarios.play.play import Job, System
+from scenarios.play.job import Job, System
 from scenarios.spec.names import load_scenario
 
 GOLDEN = Path(__file__).parent / "golden" / "cross_0.csv"
@@ -28,9 +28,9 @@ COLUMNS = [
 ]
 
 
-def test_cross_seed_0_as_accepted():
+def test_cross_seed_0_as_accepted(executor):
     job = Job(load_scenario("cross"), 0, {"frames": 18}, System())
-    (row,) = play_all([job], 1).rows
+    (row,) = play_all([job], executor).rows
     assert not row.failure
     found = pd.DataFrame({name: row.frames[name] for name in COLUMNS})
     if os.environ.get("PJPDAF_GOLDEN") == "write":

@@ -3,7 +3,7 @@
 import time
 
 
-def until(view, function, argument=None, limit_s=30.0):
+def until(view, function, argument=None, limit_s=120.0):
     """Until a JavaScript function of the argument holds; AssertionError after limit_s."""
     end = time.monotonic() + limit_s
     while not view.evaluate(function, argument):

@@ -1,20 +1,48 @@
-"""Background: each pixel one Gaussian over (H, S, V), thesis 3.1.1."""
+"""Background: a Gaussian over (H, S, V) for each pixel, thesis 3.1.1."""
 
 from __future__ import annotations
 
-import zipfile
-from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from pjpdaf.arrays import readonly
+from pjpdaf.checks import check_above_zero, check_not_negative
 from pjpdaf.detector.skin import HUE_STEP_DEG, to_hsv
 from pjpdaf.errors import BenchError
 
-UNIFORM_SD_DEG = 360.0 / 12**0.5  # hue that is anything at all; a grey pixel's
-FORMAT = 1
+UNIFORM_SD_DEG = 360.0 / 12**0.5  # of a hue distributed uniformly, as a grey pixel's
+
+
+@dataclass(frozen=True)
+class BackgroundParameters:
+    """Learning of the background, and the test of a pixel against it."""
+
+    # Fewest person-free frames to learn the background from [frames]. Thesis: "several".
+    background_learn_min: int = 10
+    # Foreground where d^2 = sum (x - mean)^2 / sd^2 is above this [1]. Not printed;
+    # 16.27 is the 99.9 % point of chi-square with 3 degrees of freedom.
+    background_threshold: float = 16.27
+    # Floors of the background's standard deviations: hue [deg], saturation and value [1].
+    hue_sd_floor_deg: float = 6.0
+    sat_sd_floor: float = 0.03
+    val_sd_floor: float = 0.03
+    # A pixel that only lost light is shadow, not foreground: its value lies between this share of
+    # the background's and all of it [1], and hue and saturation pass the test alone. 1 = no such
+    # rule, as in the thesis. The person's own shadow on wood keeps the hue of skin.
+    shadow_min: float = 0.5
+
+    def __post_init__(self) -> None:
+        check_above_zero(
+            "DetectorParameters",
+            self,
+            "background_threshold",
+            "hue_sd_floor_deg",
+            "sat_sd_floor",
+            "val_sd_floor",
+            "background_learn_min",
+        )
+        check_not_negative("DetectorParameters", self, "shadow_min")
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +50,7 @@ class Background:
     """Mean and standard deviation of each pixel of a person-free scene.
 
     mean, sd: float32 (h, w, 3): hue [deg] (circular), saturation and value in 0..1, as observed,
-    without floors; frames: how many pictures they come from.
+    without floors; frames: number of pictures they come from.
     """
 
     mean: np.ndarray
@@ -55,7 +83,7 @@ class BackgroundTest:
 
 
 class BackgroundSums:
-    """What learning keeps of the pictures seen so far: sums, so that memory stays flat."""
+    """Sums over the pictures learnt so far; memory stays flat."""
 
     def __init__(self) -> None:
         self.frames = 0
@@ -64,7 +92,7 @@ class BackgroundSums:
         self._cosines, self._sines = np.cos(angles), np.sin(angles)
 
     def add(self, picture: np.ndarray) -> None:
-        """One more person-free picture, uint8 BGR (h, w, 3). BenchError if its size is another."""
+        """Add a person-free picture, uint8 BGR (h, w, 3). Raises BenchError for another size."""
         if self.frames == 0:
             self._size = picture.shape
             self._c, self._s = np.zeros(picture.shape[:2]), np.zeros(picture.shape[:2])
@@ -84,7 +112,7 @@ class BackgroundSums:
         self.frames += 1
 
     def result(self, frames_min: int) -> Background:
-        """The background, or BenchError where fewer than frames_min pictures came."""
+        """Return the background. Raises BenchError for fewer than frames_min pictures."""
         n = self.frames
         if n < max(frames_min, 2):
             raise BenchError(
@@ -104,47 +132,28 @@ class BackgroundSums:
         return Background(mean, sd, n)
 
 
-def learn_background(pictures: Iterable[np.ndarray], frames_min: int = 2) -> Background:
-    """Background from person-free pictures uint8 BGR (h, w, 3), read one at a time.
-
-    Hue: circular mean and standard deviation sqrt(-2 ln R), capped at that of a uniform hue.
-
-    Raises BenchError where there are fewer than frames_min pictures or their sizes differ.
-    """
-    sums = BackgroundSums()
-    for picture in pictures:
-        sums.add(picture)
-    return sums.result(frames_min)
-
-
-def prepare(
-    background: Background,
-    threshold: float,
-    hue_sd_floor_deg: float,
-    sat_sd_floor: float,
-    val_sd_floor: float,
-    shadow_min: float = 1.0,
-) -> BackgroundTest:
-    """The test of a background, with floors under its standard deviations.
+def prepare(background: Background, parameters: BackgroundParameters) -> BackgroundTest:
+    """Prepare the test of a background, with floors under its standard deviations.
 
     The variance of a new observation, given mean and variance from n, is that of Student's t:
     s^2 (1 + 1/n) (n - 1) / (n - 3); for n = 10 that is 1.41 s^2. Floors come after.
     """
+    p = parameters
     n = background.frames
     inflation = (1 + 1 / n) * (n - 1) / max(n - 3, 1)
-    floors = np.array([hue_sd_floor_deg, sat_sd_floor, val_sd_floor], np.float32)
+    floors = np.array([p.hue_sd_floor_deg, p.sat_sd_floor, p.val_sd_floor], np.float32)
     steps = np.array([HUE_STEP_DEG, 1 / 255, 1 / 255], np.float32)
     sd = np.maximum(background.sd * np.float32(inflation**0.5), floors) / steps
     return BackgroundTest(
         readonly((background.mean / steps).reshape(-1, 3), (None, 3), "mean", np.float32),
         readonly((1 / (sd * sd)).reshape(-1, 3), (None, 3), "precision", np.float32),
-        threshold,
-        shadow_min,
+        p.background_threshold,
+        p.shadow_min,
     )
 
 
 def is_foreground(test: BackgroundTest, hsv: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Which of the pixels `at` (n,), flat indices into hsv (h, w, 3), are foreground: bool (n,).
+    """Test the pixels `at` (n,), flat indices into hsv (h, w, 3), for foreground: bool (n,).
 
     Foreground is d^2 = sum (x - mean)^2 / sd^2 > threshold, hue differences taken on the circle.
     Where a pixel has only become darker (by shadow_min at most), value does not count, and the
@@ -166,53 +175,3 @@ def is_foreground(test: BackgroundTest, hsv: np.ndarray, at: np.ndarray) -> np.n
         kept = 1.0 + loss / np.maximum(value, 1.0)
         far &= ~shade | (colour * kept * kept > test.threshold)
     return far
-
-
-def foreground_mask(test: BackgroundTest, picture: np.ndarray) -> np.ndarray:
-    """Foreground of a whole picture uint8 BGR (h, w, 3): uint8 (h, w), 255 = foreground."""
-    hsv = to_hsv(picture)
-    size = hsv.shape[0] * hsv.shape[1]
-    far = is_foreground(test, hsv, np.arange(size))
-    mask: np.ndarray = np.where(far, np.uint8(255), np.uint8(0)).reshape(hsv.shape[:2])
-    return mask
-
-
-def save_backgrounds(path: Path, backgrounds: tuple[Background, ...]) -> None:
-    """Backgrounds of all views to one .npz."""
-    arrays: dict[str, np.ndarray] = {
-        "format": np.array(FORMAT),
-        "views": np.array(len(backgrounds)),
-    }
-    for view, background in enumerate(backgrounds):
-        arrays[f"mean_{view}"] = background.mean
-        arrays[f"sd_{view}"] = background.sd
-        arrays[f"frames_{view}"] = np.array(background.frames)
-    with Path(path).open("wb") as file:  # a name without .npz stays as given
-        np.savez_compressed(file, allow_pickle=False, **arrays)
-
-
-def load_backgrounds(path: Path) -> tuple[Background, ...]:
-    """Backgrounds as `save_backgrounds` wrote them.
-
-    Raises BenchError where the file is missing, is not one, or lacks an array.
-    """
-    path = Path(path)
-    try:
-        with np.load(path, allow_pickle=False) as arrays:
-            if int(arrays["format"]) != FORMAT:
-                raise BenchError(
-                    f"{path}: background format {int(arrays['format'])}, this version reads "
-                    f"{FORMAT}: learn the background again."
-                )
-            return tuple(
-                Background(
-                    arrays[f"mean_{view}"], arrays[f"sd_{view}"], int(arrays[f"frames_{view}"])
-                )
-                for view in range(int(arrays["views"]))
-            )
-    except FileNotFoundError:
-        raise BenchError(f"{path}: no such background file.") from None
-    except KeyError as fault:
-        raise BenchError(f"{path}: not a saved background: {fault.args[0]}") from None
-    except (OSError, ValueError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as fault:
-        raise BenchError(f"{path}: not a saved background: {fault}") from None

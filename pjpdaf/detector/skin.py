@@ -10,30 +10,43 @@ import cv2
 import numpy as np
 
 from pjpdaf.arrays import Floats
+from pjpdaf.checks import BadParameter, check_not_negative
 from pjpdaf.errors import BenchError
 
 HUE_STEP_DEG = 360.0 / 256.0  # OpenCV's "full" HSV: hue 0..255 is one turn, s and v are 0..255
-LEARN_MIN_PX = 50  # fewer sample pixels say nothing about the tails of a distribution
-MARGIN_HUE_DEG = 4.0  # added to a learnt range: what a hand in other light differs from the sample
+LEARN_MIN_PX = 50  # fewer sample pixels do not show the tails of a distribution
+MARGIN_HUE_DEG = 4.0  # added to a learnt range, for a hand in other light than the sample
 MARGIN_SATURATION = 0.05
 
 
 @dataclass(frozen=True)
 class SkinRange:
-    """Box in HSV that skin lies in (Hmin, Hmax, Smin, Smax of the thesis, and Vmin).
+    """Box in HSV that skin lies in (Hmin, Hmax, Smin, Smax of section 3.1.1, and Vmin).
 
-    hue_deg: from, to, upwards, across 0 where from > to; saturation: from, to in 0..1;
-    value_min in 0..1 (hue and saturation of dark pixels are noise).
+    The defaults were determined empirically, as the thesis says.
     """
 
-    hue_deg: tuple[float, float]
-    saturation: tuple[float, float]
-    value_min: float
+    # Hue interval [deg], from..to upwards; may wrap: (350, 20) crosses 0.
+    hue_range_deg: tuple[float, float] = (2.0, 40.0)
+    # Saturation interval [1], 0..1.
+    saturation_range: tuple[float, float] = (0.2, 0.7)
+    # Smallest value (brightness) of a skin pixel [1], 0..1. Not in the thesis: hue and saturation
+    # of dark hair are noise.
+    value_min: float = 0.2
+
+    def __post_init__(self) -> None:
+        check_not_negative("DetectorParameters", self, "value_min")
+        low, high = self.saturation_range
+        if not 0 <= low < high <= 1:
+            raise BadParameter(
+                "DetectorParameters.saturation_range must be min < max within 0..1, "
+                f"got {self.saturation_range}."
+            )
 
     @property
     def hue_span_deg(self) -> float:
         """Width of the hue interval, 0..360."""
-        low, high = self.hue_deg
+        low, high = self.hue_range_deg
         return 360.0 if high - low >= 360.0 else (high - low) % 360.0
 
 
@@ -45,23 +58,23 @@ def to_hsv(picture: np.ndarray) -> np.ndarray:
 
 def skin_mask(hsv: np.ndarray, skin: SkinRange) -> np.ndarray:
     """Pixels of `hsv` (h, w, 3), as of `to_hsv`, inside the range: uint8 (h, w), 255 = skin."""
-    low_s = math.ceil(skin.saturation[0] * 255 - 1e-9)
-    high_s = math.floor(skin.saturation[1] * 255 + 1e-9)
+    low_s = math.ceil(skin.saturation_range[0] * 255 - 1e-9)
+    high_s = math.floor(skin.saturation_range[1] * 255 + 1e-9)
     low_v = math.ceil(skin.value_min * 255 - 1e-9)
     mask: np.ndarray | None = None
     for low_h, high_h in _hue_intervals(skin):
-        part = cv2.inRange(hsv, (low_h, low_s, low_v), (high_h, high_s, 255))
-        mask = part if mask is None else cv2.bitwise_or(mask, part)
+        inside = cv2.inRange(hsv, (low_h, low_s, low_v), (high_h, high_s, 255))
+        mask = inside if mask is None else cv2.bitwise_or(mask, inside)
     return np.zeros(hsv.shape[:2], np.uint8) if mask is None else mask
 
 
 def _hue_intervals(skin: SkinRange) -> list[tuple[int, int]]:
-    """The range as one or two intervals of whole hue steps within 0..255."""
+    """Split the range into one or two intervals of whole hue steps within 0..255."""
     if skin.hue_span_deg >= 360.0:
         return [(0, 255)]
     # A rounding guard: 90 deg is exactly step 64 and must be inside (90, 100).
-    first = math.ceil(skin.hue_deg[0] / HUE_STEP_DEG - 1e-9)
-    last = math.floor((skin.hue_deg[0] + skin.hue_span_deg) / HUE_STEP_DEG + 1e-9)
+    first = math.ceil(skin.hue_range_deg[0] / HUE_STEP_DEG - 1e-9)
+    last = math.floor((skin.hue_range_deg[0] + skin.hue_span_deg) / HUE_STEP_DEG + 1e-9)
     turns = first // 256
     first, last = first - 256 * turns, last - 256 * turns
     if last < first:
@@ -87,7 +100,7 @@ def learn_skin_range(
 ) -> SkinRange:
     """Skin range from a sample picture, thesis 3.1.1 ("values determined empirically").
 
-    samples: uint8 BGR (h, w, 3), a picture cropped to skin, or a whole one with `mask` (h, w),
+    samples: uint8 BGR (h, w, 3), a picture cropped to skin, or a whole picture with `mask` (h, w),
     non-zero on skin. The range leaves `percentile` per cent out at either end, widened by a margin.
 
     Raises BenchError where fewer than 50 pixels are left.

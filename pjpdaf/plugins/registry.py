@@ -11,70 +11,65 @@ from pathlib import Path
 from typing import Any, cast
 
 from pjpdaf.camera import Camera
-from pjpdaf.errors import BenchError
+from pjpdaf.detector.parameters import DetectorParameters
+from pjpdaf.errors import BenchError, did_you_mean
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import AnyTracker, Detector
-from pjpdaf.presets.parameters import (
-    PRESETS,
-    DetectorParameters,
-    TrackerParameters,
-    did_you_mean,
-    field_names,
-    find_preset,
-    override,
-)
+from pjpdaf.presets.flat import flat_names
+from pjpdaf.presets.override import override
+from pjpdaf.presets.registry import PRESETS, find_preset
 from pjpdaf.tracker.filter import PJPDAF
+from pjpdaf.tracker.parameters import TrackerParameters
 
 DETECTORS = "pjpdaf_bench.detectors"
 TRACKERS = "pjpdaf_bench.trackers"
 
 Factory = Callable[[tuple[Camera, ...]], Any]
 
-
 _OURS = str(Path(__file__).parents[1])
 _LIBRARIES = (sysconfig.get_path("stdlib"), sysconfig.get_path("purelib"), "<")
 
 
-class UnknownPart(BenchError):
-    """A detector or tracker that cannot be found, imported or built."""
+class PlugInError(BenchError):
+    """A detector or tracker that cannot be loaded or built."""
 
 
-class NoSuchPart(UnknownPart):
-    """Nothing has this name."""
+class NoSuchPlugIn(PlugInError):
+    """There is no detector or tracker of this name."""
 
 
-def described(fault: BaseException) -> str:
-    """An exception of somebody else's code in one line: type, text, file and line of that code."""
+def describe_exception(fault: BaseException) -> str:
+    """Describe an exception of a user's code in one line: type, text, file and line number."""
     try:
         text = " ".join(str(fault).split())
     except Exception:  # of their own __str__
         text = ""
-    where = traceback.extract_tb(fault.__traceback__)[1:]  # the first is the caller's `try`
-    theirs = [f for f in where if not f.filename.startswith((_OURS, *_LIBRARIES))]
+    stack = traceback.extract_tb(fault.__traceback__)[1:]  # the first is the caller's `try`
+    theirs = [f for f in stack if not f.filename.startswith((_OURS, *_LIBRARIES))]
     # Where all of it is installed, the deepest place is all there is.
-    last = (theirs or where)[-1:]
+    last = (theirs or stack)[-1:]
     place = f" ({Path(last[0].filename).name}:{last[0].lineno})" if last else ""
     return f"{type(fault).__name__}{': ' if text else ''}{text[:200]}{place}"
 
 
-def names(group: str) -> tuple[str, ...]:
-    """Names that `make_detector` or `make_tracker` know, for group DETECTORS or TRACKERS."""
+def plug_in_names(group: str) -> tuple[str, ...]:
+    """Names of presets and entry points, for the group DETECTORS or TRACKERS."""
     return tuple(sorted({*PRESETS, *(point.name for point in entry_points(group=group))}))
 
 
 def make_tracker(
     name: str, cameras: tuple[Camera, ...], overrides: Mapping[str, object] | None = None
 ) -> AnyTracker:
-    """A tracker: a preset's, an entry point of the group TRACKERS, or 'module:factory'.
+    """Make a tracker: a preset's, an entry point of the group TRACKERS, or 'module:factory'.
 
-    overrides: KEY=VALUE for a preset (see `parameters.override`); keys of the detector are
+    overrides: KEY=VALUE for a preset (`pjpdaf.presets.override`); keys of the detector are
     checked and left to `make_detector`. Raises BenchError.
     """
     if name in PRESETS:
         return PJPDAF(cameras, override(find_preset(name), overrides or {}).tracker)
-    _refuse_overrides("tracker", name, overrides, field_names(TrackerParameters))
-    part = _build("tracker", TRACKERS, name, cameras, ("start", "step", "estimates", "predict"))
-    return cast(AnyTracker, part)
+    _refuse_overrides("tracker", name, overrides, flat_names(TrackerParameters))
+    methods = ("start", "step", "estimates", "predict")
+    return cast(AnyTracker, _build("tracker", TRACKERS, name, cameras, methods))
 
 
 def make_detector(
@@ -83,7 +78,7 @@ def make_detector(
     overrides: Mapping[str, object] | None = None,
     background: Iterable[StereoFrame] | None = None,
 ) -> Detector:
-    """A detector: a preset's, an entry point of the group DETECTORS, or 'module:factory'.
+    """Make a detector: a preset's, an entry point of the group DETECTORS, or 'module:factory'.
 
     background: person-free frames to learn from at once. Otherwise as `make_tracker`.
     """
@@ -96,7 +91,7 @@ def make_detector(
             cameras, override(find_preset(name), overrides or {}).detector
         )
     else:
-        _refuse_overrides("detector", name, overrides, field_names(DetectorParameters))
+        _refuse_overrides("detector", name, overrides, flat_names(DetectorParameters))
         detector = cast(
             Detector, _build("detector", DETECTORS, name, cameras, ("learn", "__call__"))
         )
@@ -106,10 +101,10 @@ def make_detector(
 def _refuse_overrides(
     kind: str, name: str, overrides: Mapping[str, object] | None, fields: tuple[str, ...]
 ) -> None:
-    """A plug-in takes no KEY=VALUE; keys of the other part are its business."""
+    """Raise PlugInError for KEY=VALUE of this kind; those of the other kind are checked there."""
     mine = [key for key in overrides or {} if key in fields or key.startswith(f"{kind}.")]
     if mine:
-        raise UnknownPart(
+        raise PlugInError(
             f"The {kind} {name!r} is a plug-in and takes no parameters, got {', '.join(mine)}."
         )
 
@@ -119,48 +114,55 @@ def _build(
 ) -> object:
     factory = _factory(kind, group, name)
     try:
-        part = factory(cameras)
+        plug_in = factory(cameras)
     except BenchError:
         raise
     except (Exception, SystemExit) as fault:
-        raise UnknownPart(f"The {kind} {name!r} cannot be built: {described(fault)}.") from fault
-    missing = [method for method in methods if not callable(getattr(part, method, None))]
+        cause = describe_exception(fault)
+        raise PlugInError(f"The {kind} {name!r} cannot be built: {cause}.") from fault
+    missing = [method for method in methods if not callable(getattr(plug_in, method, None))]
     if missing:
-        raise UnknownPart(f"The {kind} {name!r} lacks {', '.join(missing)}; see pjpdaf.interfaces.")
-    return part
+        raise PlugInError(f"The {kind} {name!r} lacks {', '.join(missing)}; see pjpdaf.interfaces.")
+    return plug_in
 
 
 def _factory(kind: str, group: str, name: str) -> Factory:
+    factory = _entry_point(kind, group, name) or _attribute(kind, group, name)
+    if not callable(factory):
+        raise PlugInError(f"The {kind} {name!r} is no function of the cameras.")
+    return cast(Factory, factory)
+
+
+def _entry_point(kind: str, group: str, name: str) -> object | None:
+    """Load an installed entry point; None where there is no such entry point."""
     for point in entry_points(group=group):
         if point.name == name:
             try:
-                found = point.load()
+                loaded: object = point.load()
             except (Exception, SystemExit) as fault:
-                raise UnknownPart(
-                    f"The {kind} {name!r} cannot be loaded: {described(fault)}."
-                ) from fault
-            return _callable(kind, name, found)
-    module, colon, factory = name.partition(":")
+                cause = describe_exception(fault)
+                raise PlugInError(f"The {kind} {name!r} cannot be loaded: {cause}.") from fault
+            return loaded
+    return None
+
+
+def _attribute(kind: str, group: str, name: str) -> object:
+    """Import the object that 'module:factory' names."""
+    module_name, colon, attribute = name.partition(":")
     if not colon:
-        raise NoSuchPart(
-            f"No {kind} {name!r}.{did_you_mean(name, names(group))} "
+        raise NoSuchPlugIn(
+            f"No {kind} {name!r}.{did_you_mean(name, plug_in_names(group))} "
             "A factory of your own is written module:factory."
         )
+    cannot = f"The {kind} {name!r} cannot be imported"
     try:
-        found = importlib.import_module(module)
+        module = importlib.import_module(module_name)
     except (ImportError, ValueError) as fault:
-        gone = isinstance(fault, ModuleNotFoundError) and fault.name == module
-        kind_of_fault = NoSuchPart if gone else UnknownPart
-        raise kind_of_fault(f"The {kind} {name!r} cannot be imported: {fault}.") from fault
-    except (Exception, SystemExit) as fault:  # whatever their module does when it is imported
-        raise UnknownPart(f"The {kind} {name!r} cannot be imported: {described(fault)}.") from fault
-    if not hasattr(found, factory):
-        public = [w for w, value in vars(found).items() if callable(value) and w[0] != "_"]
-        raise NoSuchPart(f"No {factory!r} in {module!r}.{did_you_mean(factory, public)}")
-    return _callable(kind, name, getattr(found, factory))
-
-
-def _callable(kind: str, name: str, found: object) -> Factory:
-    if not callable(found):
-        raise UnknownPart(f"The {kind} {name!r} is no function of the cameras.")
-    return cast(Factory, found)
+        gone = isinstance(fault, ModuleNotFoundError) and fault.name == module_name
+        raise (NoSuchPlugIn if gone else PlugInError)(f"{cannot}: {fault}.") from fault
+    except (Exception, SystemExit) as fault:  # from code that runs when their module is imported
+        raise PlugInError(f"{cannot}: {describe_exception(fault)}.") from fault
+    if not hasattr(module, attribute):
+        public = [w for w, value in vars(module).items() if callable(value) and w[0] != "_"]
+        raise NoSuchPlugIn(f"No {attribute!r} in {module_name!r}.{did_you_mean(attribute, public)}")
+    return getattr(module, attribute)

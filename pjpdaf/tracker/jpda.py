@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pjpdaf.arrays import Floats
-
-Bools = NDArray[np.bool_]
+from pjpdaf.arrays import Bools, Floats
 
 # One cluster of overlapping gates costs measurements * 2^targets * targets in time and memory.
 LARGEST_CLUSTER = 20
@@ -29,48 +26,23 @@ def squared_distances(innovations: Floats, S_inverse: Floats) -> Floats:
     return np.asarray((weighted * innovations).sum(axis=2))
 
 
-def validation_matrix(gated: Bools) -> Bools:
-    """Omega of Eq. 3.28: gated (m, T) with the clutter column in front, (m, T + 1)."""
-    return np.column_stack([np.ones(len(gated), dtype=bool), gated])
-
-
-def feasible_events(omega: ArrayLike) -> Iterator[tuple[int, ...]]:
-    """All feasible events of a validation matrix (m, T + 1), clutter in column 0 (section 3.4.2).
-
-    An event is the origin of each measurement, 0 for clutter: one origin a measurement, at most
-    one measurement a target. There are exponentially many; `association_probabilities` does not
-    need them.
-    """
-    rows = [tuple(np.flatnonzero(row).tolist()) for row in np.asarray(omega, dtype=bool)]
-
-    def extend(event: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
-        if len(event) == len(rows):
-            yield event
-            return
-        for origin in rows[len(event)]:
-            if origin == 0 or origin not in event:
-                yield from extend((*event, origin))
-
-    return extend(())
-
-
 def clusters(gated: Bools) -> list[tuple[list[int], list[int]]]:
     """Targets whose gates share measurements, and those measurements, from gated (m, T).
 
     Every target is in exactly one cluster; a cluster may hold no measurement.
     """
-    found: list[tuple[int, int]] = []  # bit sets: targets, measurements
+    groups: list[tuple[int, int]] = []  # bit sets: targets, measurements
     for t, column in enumerate(gated.T.tolist()):
         targets = 1 << t
         measurements = sum(1 << j for j, inside in enumerate(column) if inside)
         apart = []
-        for other in found:
+        for other in groups:
             if other[1] & measurements:
                 targets, measurements = targets | other[0], measurements | other[1]
             else:
                 apart.append(other)
-        found = [*apart, (targets, measurements)]
-    return [(_bits(targets), _bits(measurements)) for targets, measurements in sorted(found)]
+        groups = [*apart, (targets, measurements)]
+    return [(_bits(targets), _bits(measurements)) for targets, measurements in sorted(groups)]
 
 
 def _bits(number: int) -> list[int]:
@@ -80,7 +52,7 @@ def _bits(number: int) -> list[int]:
 def association_probabilities(
     likelihood: ArrayLike, gated: ArrayLike, p_detect: ArrayLike, clutter: float
 ) -> Floats:
-    """Association weights beta of Eq. 3.33-3.34 in one view, (m + 1, T); row 0: not detected.
+    """Return the weights beta of Eq. 3.33-3.34 in one view, (m + 1, T); row 0: not detected.
 
     likelihood (m, T): N of Eq. 3.32, in the unit of `clutter`, the C of Eq. 3.32; gated (m, T);
     p_detect a number or (T,), 0..1. Exact: the sum over all feasible events is a recursion over
@@ -106,7 +78,7 @@ def association_probabilities(
     if L.size and not (L.min() >= 0.0 and L.max() < math.inf):  # false for NaN
         raise ValueError("likelihood must be finite and at least 0 inside the gates")
     if T <= _SPLIT_ABOVE:
-        return _one_cluster(L, PD, clutter)
+        return _cluster_weights(L, PD, clutter)
     beta = np.zeros((len(L) + 1, T))
     for targets, measurements in clusters(mask):
         if len(targets) > LARGEST_CLUSTER:
@@ -114,12 +86,12 @@ def association_probabilities(
                 f"{len(targets)} targets share measurements, more than {LARGEST_CLUSTER}; "
                 "lower the gate"
             )
-        part = _one_cluster(L[np.ix_(measurements, targets)], PD[targets], clutter)
-        beta[np.ix_([0, *(j + 1 for j in measurements)], targets)] = part
+        inner = _cluster_weights(L[np.ix_(measurements, targets)], PD[targets], clutter)
+        beta[np.ix_([0, *(j + 1 for j in measurements)], targets)] = inner
     return beta
 
 
-def _one_cluster(L: Floats, PD: Floats, clutter: float) -> Floats:
+def _cluster_weights(L: Floats, PD: Floats, clutter: float) -> Floats:
     m, T = L.shape
     beta = np.zeros((m + 1, T))
     # A measurement outside every gate is clutter in all events: a common factor.
@@ -173,7 +145,7 @@ def _joins(T: int) -> Floats:
 def _by_matrices(L: Floats, C: Floats, PD: Floats) -> Floats:
     """Weights (m, T) of rows scaled to a largest factor of 1, for few targets.
 
-    The sum over events is a product of one matrix a measurement, from set to set.
+    The sum over events is a product of matrices, one per measurement, from set to set.
     """
     m, T = L.shape
     joins = _joins(T)
@@ -196,7 +168,7 @@ def _by_matrices(L: Floats, C: Floats, PD: Floats) -> Floats:
 
 
 def _linear(L: Floats, C: Floats, PD: Floats) -> Floats:
-    """As `_by_matrices` for many targets: O(m 2^T T)."""
+    """Weights (m, T) as `_by_matrices`, for many targets: O(m 2^T T)."""
     m, T = L.shape
     without, joined, member = _subsets(T)
     size = 1 << T
@@ -218,7 +190,7 @@ def _linear(L: Floats, C: Floats, PD: Floats) -> Floats:
 
 
 def _logarithmic(L: Floats, C: Floats, PD: Floats) -> Floats:
-    """As `_linear` in logarithms: slower, and safe for any spread of the factors."""
+    """Weights (m, T) as `_linear`, in logarithms: slower, and safe for any spread of factors."""
     m, T = L.shape
     without, joined, member = _subsets(T)
     size = 1 << T

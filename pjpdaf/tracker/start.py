@@ -2,71 +2,112 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import combinations, product
+from typing import Protocol
 
 import numpy as np
 
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, project, to_camera, triangulate
+from pjpdaf.checks import check_above_zero
 from pjpdaf.interfaces import Detections
-from pjpdaf.presets.parameters import TrackerParameters
+from pjpdaf.tracker.thesis_units import MM2, MM2_PER_FRAME2
 
-Starter = Callable[[tuple[Camera, ...], tuple[Detections, ...], TrackerParameters], Floats | None]
 MOST_CANDIDATES = 6  # blobs a view that may be a hand, largest first
 
 
+@dataclass(frozen=True)
+class StartParameters:
+    """First state (section 3.6): positions by triangulation (Eq. 3.45), at rest, with P_0."""
+
+    # P_0 = diag(p p p v v v) of Table 4.1: p = 70 mm^2 [m^2] ...
+    start_position_m2: float = 70 * MM2
+    # ... and v = 30 (mm/frame)^2 [(m/s)^2].
+    start_velocity_m2ps2: float = 30 * MM2_PER_FRAME2
+    # Start only where every target triangulates within this distance in each view [px], ... Ours.
+    start_residual_px: float = 10.0
+    # ... within this depth [m], ...
+    start_depth_m: tuple[float, float] = (0.3, 5.0)
+    # ... and the hands lie within this distance of the head [m].
+    start_reach_m: float = 1.2
+
+    def __post_init__(self) -> None:
+        check_above_zero(
+            "TrackerParameters",
+            self,
+            "start_position_m2",
+            "start_velocity_m2ps2",
+            "start_residual_px",
+            "start_reach_m",
+        )
+
+
+class Starter(Protocol):
+    """First positions from the detections of a frame."""
+
+    def __call__(
+        self,
+        cameras: tuple[Camera, ...],
+        detections: tuple[Detections, ...],
+        parameters: StartParameters,
+    ) -> Floats | None:
+        """Positions (T, 3) [m], or None where this frame does not suffice."""
+        ...
+
+
+def start_covariance(parameters: StartParameters) -> Floats:
+    """P_0 of Table 4.1, (6, 6) [m^2, m^2/s^2]."""
+    position, velocity = parameters.start_position_m2, parameters.start_velocity_m2ps2
+    return np.asarray(np.diag([position] * 3 + [velocity] * 3))
+
+
 def find_head_and_hands(
-    cameras: tuple[Camera, ...], seen: tuple[Detections, ...], parameters: TrackerParameters
+    cameras: tuple[Camera, ...], detections: tuple[Detections, ...], parameters: StartParameters
 ) -> Floats | None:
-    """Positions of head, right hand, left hand (3, 3) [m]; None where this frame does not do.
+    """Positions of head, right hand, left hand (3, 3) [m]; None where this frame does not suffice.
 
     The largest area at the top is the head; below it, the person's right hand is left in the
     picture. The views must agree: every target triangulates from the first two views (Eq. 3.45)
     within `start_residual_px` and `start_depth_m` in every view that has a blob there, and the
-    hands lie within `start_reach_m` of the head. Of several pairs of hands the one with the
-    largest area wins.
+    hands lie within `start_reach_m` of the head. Of several pairs of hands the pair
+    with the largest area wins.
     """
-    if len(cameras) < 2 or len(seen) != len(cameras):
+    if len(cameras) < 2 or len(detections) != len(cameras):
         return None
-    if any(view.missing or len(view) < 3 for view in seen):
+    if any(view.missing or len(view) < 3 for view in detections):
         return None
-    heads = [head_of(view) for view in seen]
+    heads = [head_of(view) for view in detections]
     if any(head is None for head in heads):
         return None
-    head = locate(
-        cameras,
-        np.array([view.centres_px[i] for view, i in zip(seen, heads, strict=True)]),
-        parameters,
-    )
+    head = locate(cameras, _centres(detections, heads), parameters)
     if head is None:
         return None
-    matches = [
-        (chosen, point)
-        for chosen in product(*map(_below, seen, heads))
-        if (
-            point := locate(
-                cameras,
-                np.array([view.centres_px[i] for view, i in zip(seen, chosen, strict=True)]),
-                parameters,
-            )
-        )
-        is not None
+    hands = [
+        (blobs, point)
+        for blobs in product(*map(_below, detections, heads))
+        if (point := locate(cameras, _centres(detections, blobs), parameters)) is not None
         and np.linalg.norm(point - head) <= parameters.start_reach_m
     ]
     best: tuple[float, Floats] | None = None
-    for (one, point), (other, another) in combinations(matches, 2):
-        sides = [_side(view, a, b) for view, a, b in zip(seen, one, other, strict=True)]
+    for (first, first_m), (second, second_m) in combinations(hands, 2):
+        sides = [_side(view, a, b) for view, a, b in zip(detections, first, second, strict=True)]
         if abs(sum(sides)) != len(sides):
-            continue  # one blob twice, or the views disagree on left and right
+            continue  # the same blob twice, or the views disagree on left and right
         area = sum(
             float(view.areas_px[a] + view.areas_px[b])
-            for view, a, b in zip(seen, one, other, strict=True)
+            for view, a, b in zip(detections, first, second, strict=True)
         )
         if best is None or area > best[0]:
-            right, left = (point, another) if sides[0] > 0 else (another, point)
+            right, left = (first_m, second_m) if sides[0] > 0 else (second_m, first_m)
             best = area, np.array([head, right, left])
     return None if best is None else best[1]
+
+
+def _centres(detections: tuple[Detections, ...], blobs: Sequence[int | None]) -> Floats:
+    """Centre of one blob a view, (N, 2) [px]."""
+    return np.array([view.centres_px[i] for view, i in zip(detections, blobs, strict=True)])
 
 
 def _side(view: Detections, a: int, b: int) -> int:
@@ -75,7 +116,7 @@ def _side(view: Detections, a: int, b: int) -> int:
 
 
 def head_of(view: Detections) -> int | None:
-    """The largest blob that has at least two others below it; None where there is none."""
+    """Return the largest blob with at least two others below it; None where there is none."""
     heights = view.centres_px[:, 1]
     at_top = [i for i in range(len(view)) if np.sum(heights > heights[i]) >= 2]
     return max(at_top, key=lambda i: float(view.areas_px[i]), default=None)
@@ -89,9 +130,9 @@ def _below(view: Detections, head: int | None) -> list[int]:
 
 
 def locate(
-    cameras: tuple[Camera, ...], pixels: Floats, parameters: TrackerParameters
+    cameras: tuple[Camera, ...], pixels: Floats, parameters: StartParameters
 ) -> Floats | None:
-    """One point from one pixel a view (N, 2) to the world, (3,) [m] (Eq. 3.45).
+    """Triangulate a point (3,) [m] from a pixel of each view (N, 2) (Eq. 3.45).
 
     None where the views do not agree: residual, depth (`start_residual_px`, `start_depth_m`).
     """

@@ -2,213 +2,149 @@
 
 from __future__ import annotations
 
-import hashlib
-import importlib
-import json
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.targets import TARGETS
-from reports.dataset import colours as look
-from reports.dataset.page import event_rows
-from reports.page.rerun import APPLICATION, CORNER_PX, ESTIMATE_RGB, QUALITY, SUFFIX
-from reports.pictures.contact_sheet import jpeg_of
-from reports.summary.tables import LABELS as WORDS
-from sim.dataset.layout import DEPTH_UNIT_M, picture_name
+from reports.dataset import label_colours
+from reports.dataset.event_rows import event_rows
+from reports.page.recording import (
+    CORNER_PX,
+    QUALITY,
+    TARGET_RGB,
+    Entities,
+    identity_of,
+    write_recording,
+)
+from reports.pictures.encode import jpeg_of
+from reports.summary.text import LABELS as WORDS
+from sim.dataset.files.layout import DEPTH_UNIT_M, picture_name
+from sim.dataset.labels.records import OCCLUDED, VISIBLE
 from sim.dataset.reader import Dataset
-from sim.dataset.reader import Sequence as Recorded
-from sim.dataset.records import OCCLUDED, VISIBLE
-from sim.files import disk_faults, written_whole_file
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
 OCCLUDED_RGB = (150, 150, 150)
 
 
-def write_dataset_rerun(dataset: Dataset, sequences: Sequence[Recorded], file: Path) -> Path:
+def write_dataset_rerun(dataset: Dataset, sequences: Sequence[StoredSequence], file: Path) -> Path:
     """Write these sequences into one new `file` (.rrd) and return it.
 
     Entities are seq_NNNNNN/..., on the timelines `frame` and `time`; lengths in metres, the
-    simulator's world, pixels of the pictures as filmed. The viewer knows no lens: what lies in 3-D
-    does not meet the pictures of a sequence with one, and its depth is left out.
+    simulator's world, pixels of the pictures as filmed. The viewer knows no lens: in a sequence
+    with lens distortion 3-D points miss the pictures, and its depth is left out.
 
-    Raises BenchError where the file exists or ends otherwise, InfrastructureError where Rerun is
-    not installed or switched off, or the disk is full.
+    Raises as `write_recording`.
     """
-    if file.suffix.lower() != SUFFIX:
-        raise BenchError(f"{file}: must end in {SUFFIX}.")
-    try:
-        rr = importlib.import_module("rerun")
-    except ImportError:
-        raise InfrastructureError(
-            f"{file}: recordings need the extra: pip install 'pjpdaf-bench[viz]'."
-        ) from None
-    with written_whole_file(file, "the recording") as part:
-        before = rr.strict_mode()
-        rr.set_strict_mode(True)  # else Rerun warns of a fault and leaves the data out
-        try:
-            content = _recording(rr, dataset, sequences)
-        finally:
-            rr.set_strict_mode(before)
-        with disk_faults(file, "the recording"):
-            part.write_bytes(content)
-    return file
+
+    def log_all(rr: Any, blueprint: Any, stream: Any) -> Any:
+        for sequence in sequences:
+            _log_sequence(Entities(rr, stream, (sequence.name,)), sequence)
+        return blueprint.Tabs(*[_layout(blueprint, sequence) for sequence in sequences])
+
+    identity = identity_of([dict(sequence.entry) for sequence in sequences])
+    return write_recording(file, dataset.folder.name, identity, log_all)
 
 
-def _recording(rr: Any, dataset: Dataset, sequences: Sequence[Recorded]) -> bytes:
-    named = json.dumps([dict(one.entry) for one in sequences], sort_keys=True)
-    identity = hashlib.sha256(named.encode()).hexdigest()[:32]
-    # Its own properties are the wall-clock time and the program's name.
-    stream = rr.RecordingStream(APPLICATION, recording_id=identity, send_properties=False)
-    if hasattr(stream, "set_log_time_enabled"):  # of newer ones; the wall clock is no label
-        stream.set_log_time_enabled(False)
-    if not rr.is_enabled(stream):
-        raise InfrastructureError("Rerun is switched off by the variable RERUN: unset it.")
-    buffer = stream.binary_stream()
-    stream.send_recording_name(dataset.folder.name)
-    for sequence in sequences:
-        _log_sequence(_Log(rr, stream, sequence))
-    blueprint = importlib.import_module("rerun.blueprint")
-    stream.send_blueprint(blueprint.Tabs(*[_layout(blueprint, one) for one in sequences]))
-    content: bytes = buffer.read()  # once: a second part would follow the file's end mark
-    stream.disconnect()
-    return content
-
-
-@dataclass(frozen=True, eq=False)
-class _Log:
-    """Where a sequence's data go."""
-
-    rr: Any
-    stream: Any
-    sequence: Recorded
-
-    def always(self, parts: Sequence[str], *what: Any) -> None:
-        """Of no time."""
-        self.stream.log(self._path(parts), *what, static=True)
-
-    def now(self, parts: Sequence[str], *what: Any) -> None:
-        """At the frame set last."""
-        self.stream.log(self._path(parts), *what)
-
-    def at(self, index: int, time_s: float) -> None:
-        """Set the frame."""
-        self.stream.set_time("frame", sequence=index)
-        self.stream.set_time("time", duration=time_s)
-
-    def _path(self, parts: Sequence[str]) -> str:
-        return str(self.rr.new_entity_path([self.sequence.name, *parts]))
-
-
-def _log_sequence(log: _Log) -> None:
-    rr, sequence = log.rr, log.sequence
-    log.always((), rr.ViewCoordinates.RIGHT_HAND_Z_UP)
-    for v, view in enumerate(CAMERAS):
-        _log_camera(log, v, view)
+def _log_sequence(entities: Entities, sequence: StoredSequence) -> None:
+    rr = entities.rr
+    entities.log_static((), rr.ViewCoordinates.RIGHT_HAND_Z_UP)
+    names = rr.AnnotationContext(
+        [
+            rr.AnnotationInfo(entry.id, entry.name, label_colours.instance_colour(entry.id)[::-1])
+            for entry in sequence.instances
+        ]
+    )
+    for view, camera in zip(CAMERAS, sequence.rig.cameras, strict=True):
+        entities.log_camera(view, camera, names)
     rows = sequence.truth.to_dict("records")
     T = len(TARGETS)
-    told: dict[int, list[str]] = {}
+    events: dict[int, list[str]] = {}
     for event in event_rows(sequence.events, sequence.frame_count):
         for first, last in event["spans"]:
-            told.setdefault(first, []).append(f"{event['words']}, to frame {last}")
+            events.setdefault(first, []).append(f"{event['text']}, to frame {last}")
     for index in range(sequence.frame_count):
         mine = rows[T * index : T * (index + 1)]
-        log.at(index, float(mine[0]["time_s"]))
-        _log_places(log, mine)
+        entities.stream.set_time("frame", sequence=index)
+        entities.stream.set_time("time", duration=float(mine[0]["time_s"]))
+        _log_positions(entities, mine)
         for v, view in enumerate(CAMERAS):
-            _log_pictures(log, v, view, index, bool(mine[0][f"arrived_{view}"]))
-            _log_marks(log, view, mine)
-        for words in told.get(index, ()):
-            log.now(("events",), rr.TextLog(words, level="INFO"))
+            _log_pictures(entities, sequence, v, view, index, bool(mine[0][f"arrived_{view}"]))
+            _log_marks(entities, view, mine)
+        for text in events.get(index, ()):
+            entities.log(("events",), rr.TextLog(text, level="INFO"))
 
 
-def _log_camera(log: _Log, v: int, view: str) -> None:
-    rr, camera = log.rr, log.sequence.rig.cameras[v]
-    K = np.array(camera.K)
-    K[:2, 2] += CORNER_PX
-    log.always(
-        ("cameras", view),
-        rr.Transform3D(translation=camera.centre_w, mat3x3=camera.R_cw.T),
-        rr.Pinhole(
-            image_from_camera=K,
-            resolution=[camera.width_px, camera.height_px],
-            camera_xyz=rr.ViewCoordinates.RDF,
-            image_plane_distance=0.3,
-        ),
-        rr.AnnotationContext(
-            [
-                rr.AnnotationInfo(one.id, one.name, look.instance_colour(one.id)[::-1])
-                for one in log.sequence.instances
-            ]
-        ),
-    )
-
-
-def _log_pictures(log: _Log, v: int, view: str, index: int, arrived: bool) -> None:
-    rr, sequence, below = log.rr, log.sequence, ("cameras", view)
+def _log_pictures(
+    entities: Entities, sequence: StoredSequence, v: int, view: str, index: int, arrived: bool
+) -> None:
+    rr, below = entities.rr, ("cameras", view)
     if arrived:
         picture = sequence.picture(view, index, np.uint8, 3)
-        jpeg = jpeg_of(picture, QUALITY)
-        log.now((*below, "picture"), rr.EncodedImage(contents=jpeg, media_type="image/jpeg"))
+        jpeg = jpeg_of(picture, QUALITY, optimised=True)
+        entities.log((*below, "picture"), rr.EncodedImage(contents=jpeg, media_type="image/jpeg"))
     else:
-        log.now((*below, "picture"), rr.Clear(recursive=False))
+        entities.log((*below, "picture"), rr.Clear(recursive=False))
     if sequence.has(f"seg_{view}"):
-        log.now((*below, "seg"), rr.SegmentationImage(sequence.seg(v, index), opacity=0.35))
+        entities.log((*below, "seg"), rr.SegmentationImage(sequence.seg(v, index), opacity=0.35))
     if sequence.has(f"depth_{view}") and not sequence.rig.cameras[v].distortion.any():
         sequence.depth_m(v, index)  # checks it
         png = (sequence.folder / f"depth_{view}" / picture_name(index)).read_bytes()
-        log.now(
+        entities.log(
             (*below, "depth"),
             rr.EncodedDepthImage(blob=png, media_type="image/png", meter=1 / DEPTH_UNIT_M),
         )
 
 
-def _log_marks(log: _Log, view: str, rows: Sequence[Any]) -> None:
+def _log_marks(entities: Entities, view: str, rows: Sequence[Any]) -> None:
     """Boxes of the visible skin and keypoints, in the viewer's pixels (from the corner)."""
-    rr, below = log.rr, ("cameras", view)
+    rr, below = entities.rr, ("cameras", view)
     for t, (target, row) in enumerate(zip(TARGETS, rows, strict=True)):
         box = [row[f"box_{part}_{view}_px"] for part in ("x", "y", "width", "height")]
         there = bool(np.isfinite(np.array(box, np.float64)).all())
-        log.now(
+        entities.log(
             (*below, "boxes", target),
             rr.Boxes2D(
                 array=[box] if there else [],
                 array_format=rr.Box2DFormat.XYWH,
-                colors=[ESTIMATE_RGB[t]],
+                colors=[TARGET_RGB[t]],
                 labels=[WORDS[target]] if there else [],
             ),
         )
         states = np.array(row[f"keypoint_status_{view}"])
         shown = np.isin(states, (OCCLUDED, VISIBLE))
         points = [p for p, s in zip(row[f"keypoints_{view}_px"], shown, strict=True) if s]
-        log.now(
+        entities.log(
             (*below, "keypoints", target),
             rr.Points2D(
                 np.array([list(p) for p in points], np.float64).reshape(-1, 2) + CORNER_PX,
-                colors=[ESTIMATE_RGB[t] if s == VISIBLE else OCCLUDED_RGB for s in states[shown]],
+                colors=[TARGET_RGB[t] if s == VISIBLE else OCCLUDED_RGB for s in states[shown]],
                 radii=[2.5],
             ),
         )
 
 
-def _log_places(log: _Log, rows: Sequence[Any]) -> None:
-    rr = log.rr
+def _log_positions(entities: Entities, rows: Sequence[Any]) -> None:
+    rr = entities.rr
     for t, (target, row) in enumerate(zip(TARGETS, rows, strict=True)):
         centre = [row[f"{a}_m"] for a in "xyz"]
-        log.now(("truth", target), rr.Points3D([centre], colors=[ESTIMATE_RGB[t]], radii=[0.012]))
+        entities.log(
+            ("truth", target), rr.Points3D([centre], colors=[TARGET_RGB[t]], radii=[0.012])
+        )
         points = np.array([list(p) for p in row["keypoints_m"]], np.float64).reshape(-1, 3)
-        log.now(("keypoints", target), rr.Points3D(points, colors=[ESTIMATE_RGB[t]], radii=[0.005]))
+        entities.log(
+            ("keypoints", target), rr.Points3D(points, colors=[TARGET_RGB[t]], radii=[0.005])
+        )
         for view in CAMERAS:
             share = float(row[f"visible_fraction_{view}"])
-            log.now(("visible_fraction", view, target), rr.Scalars(share))
+            entities.log(("visible_fraction", view, target), rr.Scalars(share))
 
 
-def _layout(blueprint: Any, sequence: Recorded) -> Any:
-    """Views of one sequence."""
+def _layout(blueprint: Any, sequence: StoredSequence) -> Any:
+    """The views of one sequence."""
     root = f"/{sequence.name}"
     pictures = [
         blueprint.Spatial2DView(

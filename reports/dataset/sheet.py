@@ -1,18 +1,18 @@
-"""A data set on one sheet: a row a sequence, some of its frames with their labels."""
+"""A data set on one sheet: a row per sequence, some of its frames with their labels."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-import cv2
 import numpy as np
 
+from pjpdaf.arrays import Image
 from pjpdaf.targets import TARGETS
-from reports.dataset import colours as look
+from reports.dataset import label_colours
 from reports.pictures.contact_sheet import GAP_PX
-from reports.pictures.overlay import BLACK, STRIP, WHITE, Image, canvas_of, draw_text
+from reports.pictures.overlay import BLACK, STRIP, WHITE, canvas_of, draw_text
 from reports.pictures.truth_overlay import draw_outlines
-from sim.dataset.reader import Sequence as Recorded
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
 TILE_PX, HEAD_PX, NAME_PX = 232, 26, 24
@@ -20,74 +20,75 @@ TEXT = 0.45
 LAYERS = ("depth", "seg", "disparity")  # beside the colour, where they were written
 
 
-def dataset_sheet(rows: Sequence[tuple[Recorded, Sequence[int]]]) -> Image:
-    """The sheet (h, w, 3) BGR of sequences and which of their frames are shown.
+def dataset_sheet(rows: Sequence[tuple[StoredSequence, Sequence[int]]]) -> Image:
+    """Lay out sequences with the frames to show (h, w, 3) BGR.
 
-    A frame is the left view with the visible skin outlined, its depth (red near, blue far), ids and
-    disparity. Where there are no ids, nothing is outlined.
+    A frame is the left view with the visible skin outlined (not without ids), its depth (red near,
+    blue far), ids and disparity.
     """
-    layers = [name for name in LAYERS if any(one.has(f"{name}_left") for one, _ in rows)]
+    layers = [name for name in LAYERS if any(sequence.has(f"{name}_left") for sequence, _ in rows)]
     frames = max(len(chosen) for _, chosen in rows)
     columns = ["left", *layers] * frames
     width = GAP_PX + len(columns) * (TILE_PX + GAP_PX)
-    head = _words(columns, width)
-    return np.vstack([head, *(_row(one, chosen, layers, width) for one, chosen in rows)])
+    head = _heads(columns, width)
+    return np.vstack([head, *(_row(sequence, chosen, layers, width) for sequence, chosen in rows)])
 
 
-def _words(columns: Sequence[str], width: int) -> Image:
+def _heads(columns: Sequence[str], width: int) -> Image:
     strip = np.full((HEAD_PX, width, 3), STRIP, np.uint8)
     for i, name in enumerate(columns):
         draw_text(strip, name, (GAP_PX + i * (TILE_PX + GAP_PX), 18), WHITE, TEXT)
     return strip
 
 
-def _row(sequence: Recorded, chosen: Sequence[int], layers: Sequence[str], width: int) -> Image:
+def _row(
+    sequence: StoredSequence, chosen: Sequence[int], layers: Sequence[str], width: int
+) -> Image:
     tiles = [tile for index in chosen for tile in _tiles(sequence, index, layers)]
     height = tiles[0].shape[0]
     row = np.full((NAME_PX + height + GAP_PX, width, 3), STRIP, np.uint8)
     entry = sequence.entry
     rung = f", {entry['rung']}" if entry.get("rung") else ""
-    words = f"{sequence.name}: {entry.get('label', '')}{rung}, seed {entry.get('seed', '')}"
-    draw_text(row, _ascii(words), (GAP_PX, 17), WHITE, TEXT)
+    title = f"{sequence.name}: {entry.get('label', '')}{rung}, seed {entry.get('seed', '')}"
+    draw_text(row, _ascii(title), (GAP_PX, 17), WHITE, TEXT)
     for i, tile in enumerate(tiles):
         x = GAP_PX + i * (TILE_PX + GAP_PX)
         row[NAME_PX : NAME_PX + height, x : x + TILE_PX] = tile
     return row
 
 
-def _tiles(sequence: Recorded, index: int, layers: Sequence[str]) -> list[Image]:
+def _tiles(sequence: StoredSequence, index: int, layers: Sequence[str]) -> list[Image]:
     picture = sequence.frame(index).pictures[0]
-    canvas = look.small(canvas_of(picture, sequence.rig.left), TILE_PX)
+    canvas = label_colours.resized(canvas_of(picture, sequence.rig.left), TILE_PX)
     if picture is not None and sequence.has(f"seg_{CAMERAS[0]}"):
-        seg = look.small(sequence.seg(0, index), TILE_PX, exact=True)
+        seg = label_colours.resized(sequence.seg(0, index), TILE_PX, exact=True)
         labels = np.where((seg >= 1) & (seg <= len(TARGETS)), seg, 0).astype(np.int8) - 1
         draw_outlines(canvas, labels, thickness_px=1, halo=False)
     draw_text(canvas, f"frame {index}", (6, 17), WHITE, TEXT)
     return [canvas, *(_layer(sequence, index, name) for name in layers)]
 
 
-def _layer(sequence: Recorded, index: int, name: str) -> Image:
+def _layer(sequence: StoredSequence, index: int, name: str) -> Image:
     camera = sequence.rig.left
     if not sequence.has(f"{name}_left"):
         blank = np.full((camera.height_px, camera.width_px, 3), BLACK, np.uint8)
-        return look.small(blank, TILE_PX)
+        return label_colours.resized(blank, TILE_PX)
     if name == "depth":
-        return look.small(look.depth_picture(sequence.depth_m(0, index)), TILE_PX)
+        return label_colours.resized(
+            label_colours.depth_picture(sequence.depth_m(0, index)), TILE_PX
+        )
     if name == "seg":
-        return look.small(look.seg_picture(sequence.seg(0, index)), TILE_PX, exact=True)
+        return label_colours.resized(
+            label_colours.seg_picture(sequence.seg(0, index)), TILE_PX, exact=True
+        )
     matches = sequence.rectified(0, index)
-    assert matches.disparity_px is not None, "of the rectified pair there is always a disparity"
-    most_px = look.most_disparity_px(sequence.rig)
-    return look.small(look.disparity_picture(matches.disparity_px, most_px), TILE_PX)
+    assert matches.disparity_px is not None, "a rectified pair always has a disparity"
+    most_px = label_colours.most_disparity_px(sequence.rig)
+    return label_colours.resized(
+        label_colours.disparity_picture(matches.disparity_px, most_px), TILE_PX
+    )
 
 
-def _ascii(words: str) -> str:
-    """What the drawn font has."""
-    return words.encode("ascii", "replace").decode()[:160]
-
-
-def sheet_png(sheet: Image) -> bytes:
-    """As a PNG file."""
-    done, png = cv2.imencode(".png", sheet)
-    assert done, "OpenCV always encodes a uint8 BGR picture"
-    return bytes(png)
+def _ascii(text: str) -> str:
+    """Keep the characters that the drawn font has."""
+    return text.encode("ascii", "replace").decode()[:160]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -109,17 +108,6 @@ class TrackWriter:
                     self._parquet.close()
                 finally:
                     self._csv.close()
-
-    def __enter__(self) -> TrackWriter:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        fault: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _hand_over(self) -> None:
         if self._held:

@@ -11,29 +11,29 @@ import pandas as pd
 
 from pjpdaf.arrays import Floats
 from pjpdaf.errors import BenchError
-from reports.run.results import SavedRun
+from reports.run.load import SavedRun
+from reports.run.motion_mark import same_motion
 from reports.score.gospa import CUT_OFF_M
 
-# Farther off than this a target counts as lost; how much farther is luck, and would drown the rest.
+# Beyond this distance a target is lost; how far beyond is chance, and would dominate the mean.
 CAP_MM, CAP_PX = 1e3 * CUT_OFF_M, 60.0
 WORST_GOSPA_MM = 1e3 * CUT_OFF_M * float(np.sqrt(3.0))  # three missed, three false
-SAME_MOTION_UM = 2  # both marks are rounded, and processors differ in the last bits
 KEY = ["scenario", "seed"]
 
 Episode = tuple[str, int]
 
 
 class NotComparable(BenchError):
-    """The two runs did not play the same."""
+    """Two runs of different episodes."""
 
     exit_code = 4
 
 
 def episode_values(run: SavedRun) -> pd.DataFrame:
-    """A row per episode, in order of (scenario, seed): group, draw and a column per metric.
+    """Tabulate the episodes in order of (scenario, seed): group, draw and a column per metric.
 
-    draw: episodes of the same draw share their random numbers. A target that was never estimated
-    has the capped error; an episode without a result has the worst of everything.
+    draw: episodes of the same draw share their random numbers. A target without any estimate
+    has the capped error, an episode without a result the worst value of every metric.
     """
     rows = run.episodes.copy()
     failed = (rows["failure"] != "").to_numpy()
@@ -64,7 +64,7 @@ def episode_values(run: SavedRun) -> pd.DataFrame:
 
 
 def _capped(values: Floats, cap: float) -> Floats:
-    """NaN and infinite values are the cap, too."""
+    """Limit values to a cap, which NaN and infinite values count as."""
     return np.where(np.isfinite(values), np.minimum(values, cap), cap)
 
 
@@ -94,7 +94,7 @@ def check_comparable(base: SavedRun, new: SavedRun) -> None:
     ours, theirs = _per_episode(new, "truths"), _per_episode(base, "truths")
     # An episode without a result has no truth to be compared.
     moved = sorted(
-        k for k in ours if ours[k] and theirs.get(k) and not _same_motion(ours[k], theirs[k])
+        k for k in ours if ours[k] and theirs.get(k) and not same_motion(ours[k], theirs[k])
     )
     if moved:
         name, seed = moved[0]
@@ -102,15 +102,6 @@ def check_comparable(base: SavedRun, new: SavedRun) -> None:
             f"{len(moved)} of {len(here)} episodes moved differently, the first: {name} seed "
             f"{seed}; the simulator has changed since the base: play the base again with this one"
         )
-
-
-def _same_motion(one: str, other: str) -> bool:
-    """Whether two marks (`reports.run.rows.motion_mark`) are those of one motion."""
-    try:
-        a, b = ([int(word) for word in mark.split()] for mark in (one, other))
-    except ValueError:  # of an older version
-        return one == other
-    return len(a) == len(b) and all(abs(x - y) <= SAME_MOTION_UM for x, y in zip(a, b, strict=True))
 
 
 def _check_versions(base: SavedRun, new: SavedRun) -> None:
@@ -142,41 +133,41 @@ def suites_of(run: SavedRun) -> dict[str, str]:
     return {f"{s['name']}@{s['version']}": str(s["digest"]) for s in run.meta.get("suites", ())}
 
 
-def _per_episode(run: SavedRun, what: str) -> dict[Episode, str]:
-    """(scenario, seed) -> its entry in a list of run.json; empty where a run has no such list."""
+def _per_episode(run: SavedRun, key: str) -> dict[Episode, str]:
+    """Map (scenario, seed) to its entry in a list of run.json; empty where run.json lacks it."""
     return {
         (str(scenario["name"]), int(seed)): str(entry)
         for scenario in run.meta["scenarios"]
-        if what in scenario
-        for seed, entry in zip(scenario["seeds"], scenario[what], strict=True)
+        if key in scenario
+        for seed, entry in zip(scenario["seeds"], scenario[key], strict=True)
     }
 
 
 def notes_of(base: SavedRun, new: SavedRun) -> tuple[str, ...]:
-    """What else differs between two comparable runs, and so is part of their difference."""
+    """Other differences between two comparable runs, which are part of their result."""
     here, there = new.meta["provenance"], base.meta["provenance"]
-    found = []
+    notes = []
     if base.folder.resolve() == new.folder.resolve():
-        found.append(f"{new.folder} was compared with itself")
+        notes.append(f"{new.folder} was compared with itself")
     if here.get("renderer") != there.get("renderer"):
-        found.append(
+        notes.append(
             f"rendered by {here.get('renderer') or 'unknown'}, the base by "
             f"{there.get('renderer') or 'unknown'}: pixels may differ"
         )
     ours, theirs = here.get("versions", {}), there.get("versions", {})
     changed = [name for name in sorted(ours) if name in theirs and ours[name] != theirs[name]]
     if changed:
-        found.append(
+        notes.append(
             "other versions than in the base: "
             + ", ".join(f"{name} {theirs[name]} -> {ours[name]}" for name in changed)
         )
-    return tuple(found)
+    return tuple(notes)
 
 
 def same_results(base: SavedRun, new: SavedRun) -> bool:
-    """Whether all that the two runs measured is the same, bit for bit.
+    """Whether the results of two runs are the same, bit for bit.
 
-    Frames are looked at where both runs have them: a slim one keeps only their sums.
+    Frames are compared where both runs have them: a slim run keeps only their sums.
     """
     pairs = [(base.events, new.events), (base.tracking, new.tracking)]
     pairs.append((measured(base.episodes), measured(new.episodes)))
@@ -186,12 +177,12 @@ def same_results(base: SavedRun, new: SavedRun) -> bool:
 
 
 def measured(episodes: pd.DataFrame) -> pd.DataFrame:
-    """The table of episodes without what follows from the digest, which a slim run leaves out."""
+    """The table of episodes without the columns that a slim run leaves out."""
     return episodes.drop(columns=["digest", "values_json"])
 
 
 def joined(runs: Sequence[SavedRun]) -> SavedRun:
-    """Runs of different seeds of the same scenarios, as one; all else as in the first."""
+    """Join runs of different seeds of the same scenarios; all else is the first run's."""
     first = runs[0]
     lists = ("seeds", "digests", "truths", "failures")
     scenarios = [

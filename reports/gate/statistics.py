@@ -1,8 +1,8 @@
 """Paired comparison of two runs: clustered bootstrap, sign flips, exact McNemar, Holm.
 
 The unit of all of them is the *draw*: the episodes that were made from the same random numbers
-(twins, the rungs of a ladder, the same scenario in another light). They are not independent of each
-other, so they are drawn again together and vote together.
+(twins, the rungs of a ladder, the same scenario in another light). They depend on each other, so
+they are resampled together and have one vote.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def clustered_bootstrap(
 ) -> Difference:
     """The mean of per-episode differences (n,) with an interval.
 
-    Whole draws (n,) are drawn again within their stratum (n,), so that every resample has the
+    Whole draws (n,) are resampled within their stratum (n,), so that every resample has the
     suite's composition; a draw that spans strata is of their combination, and strata of one draw
     are pooled, as alone they would never vary. Few draws are allowed for twice: deviations are
     scaled by sqrt(m / (m - 1)) in a stratum of m draws (Rao and Wu 1988), and the percentiles are
@@ -62,7 +62,7 @@ def clustered_bootstrap(
         return Difference(0.0, 0.0, 0.0, n, len(members))
     freedom = 0
     deviations = np.zeros(resamples)
-    # What a draw adds to the mean beyond its share: draws of many episodes weigh as many.
+    # The excess of each draw over its share of the mean; a draw weighs as its episodes.
     parts = np.array([(differences[m] - mean).sum() / n for m in members])
     for group in _strata(members, strata):
         m = len(group)
@@ -81,20 +81,22 @@ def clustered_bootstrap(
 
 def _members(draws: Sequence[Hashable]) -> list[NDArray[np.intp]]:
     """Positions of each draw's episodes, in order of first appearance."""
-    found: dict[Hashable, list[int]] = {}
+    members: dict[Hashable, list[int]] = {}
     for position, draw in enumerate(draws):
-        found.setdefault(draw, []).append(position)
-    return [np.array(positions, dtype=np.intp) for positions in found.values()]
+        members.setdefault(draw, []).append(position)
+    return [np.array(positions, dtype=np.intp) for positions in members.values()]
 
 
 def _strata(members: Sequence[NDArray[np.intp]], strata: Sequence[str]) -> list[NDArray[np.intp]]:
-    """Which draws are drawn again together; those alone in their stratum are one more."""
-    found: dict[tuple[str, ...], list[int]] = {}
+    """Group the draws that are resampled together; single draws of strata form a group."""
+    by_strata: dict[tuple[str, ...], list[int]] = {}
     for index, positions in enumerate(members):
-        found.setdefault(tuple(sorted({strata[p] for p in positions.tolist()})), []).append(index)
-    together = [group for group in found.values() if len(group) > 1]
-    alone = [index for group in found.values() if len(group) == 1 for index in group]
-    if len(alone) == 1 and together:  # a single one would not vary: it joins the smallest
+        by_strata.setdefault(tuple(sorted({strata[p] for p in positions.tolist()})), []).append(
+            index
+        )
+    together = [group for group in by_strata.values() if len(group) > 1]
+    alone = [index for group in by_strata.values() if len(group) == 1 for index in group]
+    if len(alone) == 1 and together:  # a single draw would not vary: it joins the smallest
         min(together, key=len).extend(alone)
     elif alone:
         together.append(alone)

@@ -9,7 +9,6 @@ import shutil
 from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import cv2
@@ -26,7 +25,7 @@ def film_suffix() -> str:
     return ".webm" if _av() is None else ".mp4"
 
 
-class Film:
+class FilmWriter:
     """Writes pictures (h, w, 3) uint8 BGR of one size, one at a time.
 
     `path` is known after the first picture. Raises InfrastructureError where no encoder opens or
@@ -62,17 +61,6 @@ class Film:
         except OSError as error:
             self._give_up()
             raise write_fault(self._file, "the film", error) from error
-
-    def __enter__(self) -> Film:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        fault: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _give_up(self) -> None:
         """No player opens a film without its end, and its room is needed."""

@@ -1,4 +1,4 @@
-"""Both views side by side with what was seen, believed and true (thesis Fig. 4.1, 4.5, 4.7)."""
+"""Both views with detections, estimates and truth drawn in (thesis Fig. 4.1, 4.5, 4.7)."""
 
 from __future__ import annotations
 
@@ -6,19 +6,18 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from pjpdaf.arrays import Floats
+from pjpdaf.arrays import Floats, Image
 from pjpdaf.camera import Camera, distort_points, project, projection_jacobian
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detections, Estimates
 from pjpdaf.targets import COLOURS_RGB
+from reports.pictures.encode import jpeg_of
 from sim.truth import Truth
 
 LETTERS = ("H", "R", "L")  # beside each circle: colour is never the only sign
 NAMES = ("H head", "R right hand", "L left hand")
 QUALITY = 85
-Image = NDArray[np.uint8]
 Colour = tuple[int, int, int]
 YELLOW: Colour = (60, 225, 255)
 BLACK: Colour = (0, 0, 0)
@@ -32,30 +31,30 @@ _FONT = cv2.FONT_HERSHEY_SIMPLEX
 def overlay_jpeg(
     frame: StereoFrame,
     cameras: Sequence[Camera],
-    seen: Sequence[Detections],
+    detections: Sequence[Detections],
     estimates: Estimates,
     truth: Truth | None = None,
     *,
     covariances: bool = False,
 ) -> bytes:
     """`overlay_picture` as JPEG."""
-    sheet = overlay_picture(frame, cameras, seen, estimates, truth, covariances=covariances)
+    sheet = overlay_picture(frame, cameras, detections, estimates, truth, covariances=covariances)
     return encode_jpeg(sheet)
 
 
 def overlay_picture(
     frame: StereoFrame,
     cameras: Sequence[Camera],
-    seen: Sequence[Detections],
+    detections: Sequence[Detections],
     estimates: Estimates,
     truth: Truth | None = None,
     *,
     covariances: bool = False,
 ) -> Image:
-    """All views side by side (h, w, 3) BGR, with a strip below that says what is what.
+    """Draw all views side by side (h, w, 3) BGR, with a legend below.
 
-    frame: the pictures as filmed; seen: per view, may be empty. All of it is in undistorted pixels
-    and is bent by the camera's lens to match the pictures.
+    frame: the pictures as filmed; detections: per view, may be empty. Detections and estimates are
+    in undistorted pixels; the camera's lens bends them to match the pictures.
 
     Detected ellipses: thin yellow. Estimates: circles with a letter, red head, green right hand,
     blue left hand; lost or coasting ones are thin. Truth (the visible skin's centroid, else the
@@ -65,8 +64,8 @@ def overlay_picture(
     views = []
     for v, (picture, camera) in enumerate(zip(frame.pictures, cameras, strict=True)):
         canvas = canvas_of(picture, camera)
-        if v < len(seen):
-            _draw_detections(canvas, camera, seen[v])
+        if v < len(detections):
+            _draw_detections(canvas, camera, detections[v])
         if truth is not None:
             _draw_truth(canvas, camera, truth, v)
         _draw_estimates(canvas, camera, estimates, covariances)
@@ -76,7 +75,7 @@ def overlay_picture(
 
 
 def side_by_side(views: Sequence[Image]) -> Image:
-    """Pictures (h, w, 3) in a row, a thin bar between them; low ones are filled up below."""
+    """Put pictures (h, w, 3) in a row, a thin bar between them, low pictures filled up below."""
     height = max(view.shape[0] for view in views)
     padded = [np.pad(view, ((0, height - view.shape[0]), (0, 0), (0, 0))) for view in views]
     gap = np.full((height, 4, 3), STRIP, dtype=np.uint8)
@@ -84,14 +83,12 @@ def side_by_side(views: Sequence[Image]) -> Image:
 
 
 def encode_jpeg(sheet: Image) -> bytes:
-    """A BGR picture as JPEG."""
-    done, jpeg = cv2.imencode(".jpg", sheet, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
-    assert done, "OpenCV always encodes a uint8 BGR picture"
-    return bytes(jpeg)
+    """Encode a picture (h, w, 3) BGR as JPEG of the overlays' quality."""
+    return jpeg_of(sheet, QUALITY)
 
 
 def canvas_of(picture: np.ndarray | None, camera: Camera) -> Image:
-    """A copy of the picture to draw on; a grey one that says so where it is missing."""
+    """Copy the picture to draw on; a missing picture becomes a grey canvas with a note."""
     if picture is not None:
         return np.array(picture, dtype=np.uint8)
     canvas = np.full((camera.height_px, camera.width_px, 3), 60, dtype=np.uint8)
@@ -122,11 +119,11 @@ def ellipse_points(centre: Floats, a: float, b: float, angle_rad: float) -> Floa
     return np.asarray(centre + np.column_stack([a * np.cos(phase), b * np.sin(phase)]) @ turn.T)
 
 
-def _draw_detections(canvas: Image, camera: Camera, seen: Detections) -> None:
-    for x, y, a, b, angle in seen.ellipses:
+def _draw_detections(canvas: Image, camera: Camera, detections: Detections) -> None:
+    for x, y, a, b, angle in detections.ellipses:
         outline = ellipse_points(np.array([x, y]), a, b, angle)
         draw_curve(canvas, distort_points(camera, outline), YELLOW, 1)
-    for centre in distort_points(camera, seen.centres_px):
+    for centre in distort_points(camera, detections.centres_px):
         cv2.circle(canvas, fixed(centre), 2 << SHIFT, YELLOW, -1, cv2.LINE_AA, SHIFT)
 
 
@@ -146,17 +143,17 @@ def draw_cross(canvas: Image, at: Floats, colour: Colour, arm_px: float = 7.0) -
             cv2.line(canvas, *ends, ink, width, cv2.LINE_AA, SHIFT)
 
 
-def _draw_estimates(canvas: Image, camera: Camera, said: Estimates, covariances: bool) -> None:
-    pixels = project(camera, said.positions_m)
+def _draw_estimates(canvas: Image, camera: Camera, estimates: Estimates, covariances: bool) -> None:
+    pixels = project(camera, estimates.positions_m)
     for t, colour in enumerate(COLOURS):
         if not np.isfinite(pixels[t]).all():
             continue
         at = distort_points(camera, pixels[t])[0]
-        width = 2 if said.status[t] == "tracked" else 1
+        width = 2 if estimates.status[t] == "tracked" else 1
         draw_curve(canvas, ellipse_points(at, 15.0, 15.0, 0.0), colour, width)
-        if covariances and np.isfinite(said.covariances_m2[t]).all():
-            J = projection_jacobian(camera, said.positions_m[t])
-            values, vectors = np.linalg.eigh(J @ said.covariances_m2[t] @ J.T)
+        if covariances and np.isfinite(estimates.covariances_m2[t]).all():
+            J = projection_jacobian(camera, estimates.positions_m[t])
+            values, vectors = np.linalg.eigh(J @ estimates.covariances_m2[t] @ J.T)
             minor, major = 2 * np.sqrt(np.maximum(values, 0))
             angle = float(np.arctan2(vectors[1, 1], vectors[0, 1]))
             draw_curve(canvas, ellipse_points(at, float(major), float(minor), angle), colour, 1)
@@ -166,19 +163,19 @@ def _draw_estimates(canvas: Image, camera: Camera, said: Estimates, covariances:
 
 
 def draw_text(
-    canvas: Image, words: str, at: tuple[int, int], colour: Colour, size: float = 0.55
+    canvas: Image, text: str, at: tuple[int, int], colour: Colour, size: float = 0.55
 ) -> None:
     """Words from a pixel on their base line, with a dark halo."""
     # The halo is made of shifted copies: a thicker font is a wider one in OpenCV 5.
     x, y = at
     for dx, dy in ((-1, -1), (-1, 1), (1, -1), (1, 1), (0, 2), (2, 0), (-2, 0), (0, -2)):
-        cv2.putText(canvas, words, (x + dx, y + dy), _FONT, size, BLACK, 2, cv2.LINE_AA)
-    cv2.putText(canvas, words, at, _FONT, size, colour, 2, cv2.LINE_AA)
+        cv2.putText(canvas, text, (x + dx, y + dy), _FONT, size, BLACK, 2, cv2.LINE_AA)
+    cv2.putText(canvas, text, at, _FONT, size, colour, 2, cv2.LINE_AA)
 
 
-def text_width(words: str, size: float = 0.55) -> int:
-    """Width [px] of what `draw_text` draws."""
-    (width, _), _ = cv2.getTextSize(words, _FONT, size, 2)
+def text_width(text: str, size: float = 0.55) -> int:
+    """Width [px] of a text as `draw_text` draws it."""
+    (width, _), _ = cv2.getTextSize(text, _FONT, size, 2)
     return int(width)
 
 
@@ -200,9 +197,9 @@ def _strip(width: int, frame: StereoFrame, estimates: Estimates, truth: Truth | 
         x += 100
         draw_text(strip, "estimates:", (x, 20), WHITE)
         x += 112
-    for t, (words, colour) in enumerate(zip(NAMES, COLOURS, strict=True)):
+    for t, (text, colour) in enumerate(zip(NAMES, COLOURS, strict=True)):
         draw_curve(strip, ellipse_points(np.array([x, 15.0]), 8, 8, 0.0), colour, 2)
-        said = words if truth is not None else f"{words} {estimates.status[t]}"
-        draw_text(strip, said, (x + 16, 20), WHITE)
+        label = text if truth is not None else f"{text} {estimates.status[t]}"
+        draw_text(strip, label, (x + 16, 20), WHITE)
         x += (140 if truth is not None else 225) - (40 if t == 0 else 0)
     return strip

@@ -1,4 +1,4 @@
-"""A frame's two views as one small plain picture: what the page's player draws upon."""
+"""A frame's two views as one small plain picture: the page's player draws upon it."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from pjpdaf.camera import Camera, undistort_picture
 from pjpdaf.frames import StereoFrame
+from reports.pictures.encode import webp_of
 from reports.pictures.overlay import canvas_of
 
 VIEW_WIDTH_PX = 320
@@ -16,10 +17,10 @@ QUALITY = 32  # of WebP; about 6 kB a frame of two views
 
 
 def still(frame: StereoFrame, cameras: Sequence[Camera]) -> bytes:
-    """All views of a frame side by side, each `VIEW_WIDTH_PX` wide, as WebP.
+    """Encode all views of a frame side by side, each `VIEW_WIDTH_PX` wide, as WebP.
 
     Undistorted, so that detections and projections lie on it as they are. Nothing is drawn in; a
-    missing picture is grey and says so.
+    missing picture is grey with a note.
     """
     views = []
     for picture, camera in zip(frame.pictures, cameras, strict=True):
@@ -28,6 +29,4 @@ def still(frame: StereoFrame, cameras: Sequence[Camera]) -> bytes:
         views.append(cv2.resize(ideal, (VIEW_WIDTH_PX, height), interpolation=cv2.INTER_AREA))
     height = max(len(view) for view in views)
     padded = [np.pad(view, ((0, height - len(view)), (0, 0), (0, 0))) for view in views]
-    done, webp = cv2.imencode(".webp", np.hstack(padded), [cv2.IMWRITE_WEBP_QUALITY, QUALITY])
-    assert done, "OpenCV always encodes a uint8 BGR picture"
-    return bytes(webp)
+    return webp_of(np.hstack(padded), QUALITY)

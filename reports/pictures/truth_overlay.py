@@ -1,4 +1,4 @@
-"""A stereo pair with its truth drawn on it: what a frame of a scenario really shows."""
+"""A stereo pair with its exact truth drawn on it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pjpdaf.arrays import Floats
+from pjpdaf.arrays import Floats, Image
 from pjpdaf.camera import Camera, distort_points, project
 from pjpdaf.frames import StereoFrame
 from reports.pictures.overlay import (
@@ -19,7 +19,6 @@ from reports.pictures.overlay import (
     STRIP,
     WHITE,
     YELLOW,
-    Image,
     canvas_of,
     draw_cross,
     draw_curve,
@@ -31,7 +30,6 @@ from reports.pictures.overlay import (
 from sim.truth import Truth, ViewTruth
 
 Labels = NDArray[np.int8]
-MERGE = "merge:"  # such events are drawn as merged pairs, not named again
 STRIP_PX = 56
 # BGR, those of the dark page: the scenes are dark as well.
 _COLOURS = ((115, 125, 255), (131, 207, 88), (255, 159, 142))
@@ -110,11 +108,11 @@ def _part_about(cameras: Sequence[Camera], truth: Truth) -> tuple[int, int]:
     """First column and side of the square about all targets: the picture's height, or wider."""
     width = min(camera.width_px for camera in cameras)
     height = min(camera.height_px for camera in cameras)
-    found = []
+    edges_px = []
     for camera, shown in zip(cameras, truth.views, strict=True):
         for x, box in zip(_real_pixels(camera, truth.centres_m)[:, 0], shown.boxes_px, strict=True):
-            found += [box[0], box[0] + box[2]] if np.isfinite(box[0]) else [x, x]
-    edges = np.clip(np.nan_to_num(found, nan=width / 2), 0, width)
+            edges_px += [box[0], box[0] + box[2]] if np.isfinite(box[0]) else [x, x]
+    edges = np.clip(np.nan_to_num(edges_px, nan=width / 2), 0, width)
     side = int(min(width, max(height, np.ptp(edges) + 2 * _MARGIN_PX)))
     left = (edges.min() + edges.max() - side) / 2
     return int(np.clip(left, 0, width - side)), side
@@ -158,9 +156,9 @@ def _draw_merged(canvas: Image, shown: ViewTruth, centres_px: Floats) -> None:
     for a, b in _pairs(shown):
         ends = np.stack([_place(shown, centres_px, a), _place(shown, centres_px, b)])
         draw_curve(canvas, ends, YELLOW, 2, closed=False)
-    said = merged_words(shown)
-    if said:
-        draw_text(canvas, f"merged {said}", (10, 24), YELLOW)
+    pairs = merged_text(shown)
+    if pairs:
+        draw_text(canvas, f"merged {pairs}", (10, 24), YELLOW)
 
 
 def _draw_centres(canvas: Image, shown: ViewTruth, centres_px: Floats) -> None:
@@ -181,19 +179,19 @@ def _draw_labels(canvas: Image, shown: ViewTruth, centres_px: Floats) -> None:
         place = _place(shown, centres_px, t)
         if not np.isfinite(place).all():
             continue
-        words = f"{LETTERS[t]} {visible_words(shown, t)}"
-        long = text_width(words)
+        text = f"{LETTERS[t]} {visible_text(shown, t)}"
+        long_px = text_width(text)
         half = shown.boxes_px[t, 2] / 2 if shown.visible_px[t] else _HIDDEN_PX
-        x = int(np.clip(place[0] + half + 8, 4, max(4, width - long - 6)))
+        x = int(np.clip(place[0] + half + 8, 4, max(4, width - long_px - 6)))
         y = int(np.clip(place[1] - 4, 46, height - 8))
-        while any(abs(y - v) < _LINE_PX and x < u + n and u < x + long for u, v, n in taken):
+        while any(abs(y - v) < _LINE_PX and x < u + n and u < x + long_px for u, v, n in taken):
             y += 1
-        taken.append((x, y, long))
-        draw_text(canvas, words, (x, y), colour)
+        taken.append((x, y, long_px))
+        draw_text(canvas, text, (x, y), colour)
 
 
-def visible_words(shown: ViewTruth, target: int) -> str:
-    """How much of a target's skin one view shows: "87 %", "hidden", "out of view"."""
+def visible_text(shown: ViewTruth, target: int) -> str:
+    """The visible share of a target's skin in a view: "87 %", "hidden", "out of view"."""
     if shown.amodal_px[target] == 0:
         return "out of view"
     if shown.visible_px[target] == 0:
@@ -201,8 +199,8 @@ def visible_words(shown: ViewTruth, target: int) -> str:
     return f"{max(1, int(100 * shown.visible_fractions[target]))} %"
 
 
-def merged_words(shown: ViewTruth) -> str:
-    """The targets that are one blob in a view, such as "R+L"; empty without."""
+def merged_text(shown: ViewTruth) -> str:
+    """The pairs of targets merged in a view, such as "R+L"; empty without any."""
     return ", ".join(f"{LETTERS[a]}+{LETTERS[b]}" for a, b in _pairs(shown))
 
 
@@ -224,28 +222,28 @@ def _strip(width: int, truth: Truth, title: str) -> Image:
         x = 260
         draw_text(strip, "truth:", (x, 21), WHITE)
         x += 70
-        for words, colour in zip(NAMES, _COLOURS, strict=True):
-            draw_text(strip, words, (x, 21), colour)
-            x += text_width(words) + 22
-        for words, colour in (("% of its skin visible", WHITE), ("merged", YELLOW)):
-            draw_text(strip, words, (x, 21), colour)
-            x += text_width(words) + 22
+        for text, colour in zip(NAMES, _COLOURS, strict=True):
+            draw_text(strip, text, (x, 21), colour)
+            x += text_width(text) + 22
+        for text, colour in (("% of its skin visible", WHITE), ("merged", YELLOW)):
+            draw_text(strip, text, (x, 21), colour)
+            x += text_width(text) + 22
     title = fitting(title, width // 2)
     right = width - 12 - text_width(title)
     draw_text(strip, title, (right, 46), WHITE)
-    draw_text(strip, fitting(event_words(truth), right - 36), (12, 46), WHITE)
+    draw_text(strip, fitting(script_text(truth), right - 36), (12, 46), WHITE)
     return strip
 
 
-def event_words(truth: Truth) -> str:
-    """What happens in the frame, without the merges."""
-    return ", ".join(name for name in truth.events if not name.startswith(MERGE))
+def script_text(truth: Truth) -> str:
+    """The script's events of the frame; merges are drawn instead."""
+    return ", ".join(truth.script_events)
 
 
-def fitting(words: str, width_px: int) -> str:
-    """As much of the words as `draw_text` has room for."""
-    if text_width(words) <= width_px:
-        return words
-    while words and text_width(words + "...") > width_px:
-        words = words[:-1]
-    return words + "..."
+def fitting(text: str, width_px: int) -> str:
+    """Shorten a text to this width as `draw_text` draws it."""
+    if text_width(text) <= width_px:
+        return text
+    while text and text_width(text + "...") > width_px:
+        text = text[:-1]
+    return text + "..."

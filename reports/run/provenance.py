@@ -1,4 +1,4 @@
-"""Where a run comes from: versions, machine, commit."""
+"""Provenance of results: versions, machine, commit."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ def provenance(argv: Sequence[str] = (), renderer: str = "") -> dict[str, object
 
 
 def _versions() -> dict[str, str]:
-    found = {}
+    versions = {}
     for name in PACKAGES:
         try:
-            found[name] = importlib.metadata.version(name)
+            versions[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
-            found[name] = "not installed"
-    return found
+            versions[name] = "not installed"
+    return versions
 
 
 def _cpu() -> str:
@@ -68,9 +68,9 @@ def _commit(folder: Path) -> tuple[str | None, bool | None]:
         return None, None
 
 
-def _git(folder: Path, *words: str) -> str:
+def _git(folder: Path, *arguments: str) -> str:
     done = subprocess.run(
-        ["git", "--no-optional-locks", *words],
+        ["git", "--no-optional-locks", *arguments],
         cwd=folder,
         check=True,
         capture_output=True,

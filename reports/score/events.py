@@ -65,12 +65,12 @@ def find_events(episode: Episode) -> tuple[Event, ...]:
     truths = np.stack([outcome.truth.centres_m for outcome in episode.frames])
     estimates = np.stack([outcome.estimates.positions_m for outcome in episode.frames])
     times = np.array([outcome.truth.time_s for outcome in episode.frames])
-    found = [
+    events = [
         *_swaps(truths, estimates, times, episode.fps),
         *_captures(truths, estimates, times, episode.fps),
         *_losses(truths, estimates, times, episode.fps),
     ]
-    return tuple(sorted(found, key=lambda e: (e.first, KINDS.index(e.kind), e.target, e.last)))
+    return tuple(sorted(events, key=lambda e: (e.first, KINDS.index(e.kind), e.target, e.last)))
 
 
 def swap_margin(truths_m: Floats, estimates_m: Floats) -> Floats:
@@ -159,19 +159,19 @@ def _captures(truths: Floats, estimates: Floats, times: Floats, fps: float) -> l
                 captured[:, t, u] = apart & taken
                 decided[:, t, u] = apart & ~taken & np.isfinite(distances[:, t, u])
     mutual = captured[:, RIGHT_HAND, LEFT_HAND] & captured[:, LEFT_HAND, RIGHT_HAND]
-    found = []
+    events = []
     for t in range(T):
         for u in range(T):
             bad = captured[:, t, u]
             if {t, u} == {RIGHT_HAND, LEFT_HAND}:
                 bad = bad & ~mutual
             spans = sustained(bad, decided[:, t, u], need, need, gap=need)
-            found += [_event("capture", t, u, span, times, fps) for span in spans]
-    return found
+            events += [_event("capture", t, u, span, times, fps) for span in spans]
+    return events
 
 
 def _losses(truths: Floats, estimates: Floats, times: Floats, fps: float) -> list[Event]:
-    found = []
+    events = []
     for target in range(len(TARGETS)):
         errors = np.linalg.norm(estimates[:, target] - truths[:, target], axis=1)
         given = np.isfinite(errors)
@@ -186,13 +186,13 @@ def _losses(truths: Floats, estimates: Floats, times: Floats, fps: float) -> lis
             frames_of(RECOVERED_S, fps),
         )
         for span in spans:
-            found.append(_event("lost", target, -1, span, times, fps))
+            events.append(_event("lost", target, -1, span, times, fps))
             if span.ended:
                 back = _first_good(errors, span, frames_of(RECOVERED_S, fps))
                 waited = float(times[back] - times[span.first])
                 start = float(times[span.first])
-                found.append(Event("recovered", target, -1, span.first, back, True, start, waited))
-    return found
+                events.append(Event("recovered", target, -1, span.first, back, True, start, waited))
+    return events
 
 
 def _first_good(errors: Floats, span: Span, need: int) -> int:

@@ -37,13 +37,13 @@ def gospa(
     truths_m: Floats, estimates_m: Floats, cut_off_m: float = CUT_OFF_M, order: float = ORDER
 ) -> tuple[Gospa, ...]:
     """GOSPA of each frame of truths (F, T, 3) and estimates (F, K, 3), NaN where there is none."""
-    there, said = present(truths_m), present(estimates_m)
+    targets, tracks = present(truths_m), present(estimates_m)
     between = distances(truths_m, estimates_m)
     half = 0.5 * cut_off_m**order
     out = []
     for frame in range(len(truths_m)):
         # A pair at the cut-off costs as much as one missed and one false target.
-        near = between[frame][np.ix_(there[frame], said[frame])]
+        near = between[frame][np.ix_(targets[frame], tracks[frame])]
         cost = np.minimum(near, cut_off_m) ** order
         rows, columns = linear_sum_assignment(cost)
         paired = near[rows, columns] < cut_off_m
@@ -51,8 +51,8 @@ def gospa(
         out.append(
             Gospa(
                 localisation=float(cost[rows, columns][paired].sum()),
-                missed=half * (int(there[frame].sum()) - pairs),
-                false=half * (int(said[frame].sum()) - pairs),
+                missed=half * (int(targets[frame].sum()) - pairs),
+                false=half * (int(tracks[frame].sum()) - pairs),
                 order=order,
             )
         )

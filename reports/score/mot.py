@@ -110,12 +110,12 @@ def summed_hota(parts: Sequence[HotaCounts]) -> HotaCounts:
 
 def present(points_m: Floats) -> Bools:
     """Which points (..., 3) are there (...): all three numbers finite."""
-    there: Bools = np.asarray(np.isfinite(points_m).all(axis=-1))
-    return there
+    finite: Bools = np.asarray(np.isfinite(points_m).all(axis=-1))
+    return finite
 
 
 def distances(truths_m: Floats, estimates_m: Floats) -> Floats:
-    """Distance (F, T, K) [m] of truths (F, T, 3) and estimates (F, K, 3); NaN where one is NaN."""
+    """Distance (F, T, K) [m] of truths (F, T, 3), estimates (F, K, 3); NaN for missing ones."""
     return np.asarray(np.linalg.norm(truths_m[:, :, None] - estimates_m[:, None], axis=-1))
 
 
@@ -125,7 +125,7 @@ def clear_mot(truths_m: Floats, estimates_m: Floats, match_m: float = MATCH_M) -
     A pairing lasts while its distance is at most match_m; what is left is paired by least total
     distance. A target paired with another track than its last one, however long ago, is a switch.
     """
-    there, said = present(truths_m), present(estimates_m)
+    targets, tracks = present(truths_m), present(estimates_m)
     between = distances(truths_m, estimates_m)
     allowed: Bools = np.asarray(np.nan_to_num(between, nan=np.inf) <= match_m)
     last: dict[int, int] = {}
@@ -134,7 +134,7 @@ def clear_mot(truths_m: Floats, estimates_m: Floats, match_m: float = MATCH_M) -
     for frame in range(len(truths_m)):
         open_ = allowed[frame].copy()
         pairs = []
-        for target in np.flatnonzero(there[frame]).tolist():
+        for target in np.flatnonzero(targets[frame]).tolist():
             track = last.get(target, -1)
             if track >= 0 and open_[target, track]:
                 pairs.append((target, track))
@@ -146,10 +146,10 @@ def clear_mot(truths_m: Floats, estimates_m: Floats, match_m: float = MATCH_M) -
             total += float(between[frame, target, track])
         matches += len(pairs)
     return ClearCounts(
-        truths=int(there.sum()),
+        truths=int(targets.sum()),
         matches=matches,
-        misses=int(there.sum()) - matches,
-        false_positives=int(said.sum()) - matches,
+        misses=int(targets.sum()) - matches,
+        false_positives=int(tracks.sum()) - matches,
         switches=int(switches),
         sum_distance_m=total,
     )
@@ -167,12 +167,12 @@ def _assigned(cost: Floats, allowed: Bools) -> list[tuple[int, int]]:
 
 def identity(truths_m: Floats, estimates_m: Floats, match_m: float = MATCH_M) -> IdentityCounts:
     """Identity counts of truths (F, T, 3) and tracks (F, K, 3), NaN where there is none."""
-    there, said = present(truths_m), present(estimates_m)
+    targets, tracks = present(truths_m), present(estimates_m)
     near = np.nan_to_num(distances(truths_m, estimates_m), nan=np.inf) <= match_m
     together = near.sum(axis=0)  # (T, K): frames in which the pair is near
     rows, columns = linear_sum_assignment(-together)
     hits = int(together[rows, columns].sum())
-    return IdentityCounts(hits, int(said.sum()) - hits, int(there.sum()) - hits)
+    return IdentityCounts(hits, int(tracks.sum()) - hits, int(targets.sum()) - hits)
 
 
 def hota(truths_m: Floats, estimates_m: Floats, zero_m: float = 2 * MATCH_M) -> HotaCounts:
@@ -180,18 +180,18 @@ def hota(truths_m: Floats, estimates_m: Floats, zero_m: float = 2 * MATCH_M) -> 
 
     The similarity of a pair is 1 - distance / zero_m, at least 0.
     """
-    there, said = present(truths_m), present(estimates_m)
+    targets, tracks = present(truths_m), present(estimates_m)
     far = np.nan_to_num(distances(truths_m, estimates_m), nan=np.inf)
     similarity = np.maximum(0.0, 1.0 - far / zero_m)
     sums = similarity.sum(axis=1, keepdims=True) + similarity.sum(axis=2, keepdims=True)
     union = sums - similarity
     share = np.where(union > EPS, similarity / np.where(union > EPS, union, 1.0), 0.0)
     potential = share.sum(axis=0)
-    length = there.sum(axis=0)[:, None] + said.sum(axis=0)[None]
+    length = targets.sum(axis=0)[:, None] + tracks.sum(axis=0)[None]
     overall = potential / np.maximum(length - potential, EPS)
     together = np.zeros((len(ALPHAS), *potential.shape))
     for frame, similar in enumerate(similarity):
-        rows_in, columns_in = np.flatnonzero(there[frame]), np.flatnonzero(said[frame])
+        rows_in, columns_in = np.flatnonzero(targets[frame]), np.flatnonzero(tracks[frame])
         if not len(rows_in) or not len(columns_in):
             continue
         place = np.ix_(rows_in, columns_in)
@@ -203,7 +203,7 @@ def hota(truths_m: Floats, estimates_m: Floats, zero_m: float = 2 * MATCH_M) -> 
     pair = together / np.maximum(1, length - together)
     return HotaCounts(
         true_positives=hits,
-        false_negatives=there.sum() - hits,
-        false_positives=said.sum() - hits,
+        false_negatives=targets.sum() - hits,
+        false_positives=tracks.sum() - hits,
         association=np.asarray((together * pair).sum(axis=(1, 2))),
     )

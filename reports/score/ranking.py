@@ -1,4 +1,4 @@
-"""Which episodes went worst: those that a gallery shows first."""
+"""The ranking of episodes by failure, for the page's gallery and the kept films."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ MAX_WORST = 12
 
 
 def badness(rows: Sequence[Mapping[str, Any]]) -> tuple[float, float]:
-    """How bad an episode was, from its rows of the table of episodes, one a target; larger = worse.
+    """Badness of an episode from its rows of the table of episodes, a target each; more is worse.
 
     First the share of target-frames that are not within 100 mm, then the mean error [mm] of the
-    others. An episode without a result has nothing to be shown: (0, 0).
+    others. (0, 0) for an episode without a result.
     """
     frames = sum(int(row["frames"]) for row in rows)
     if not frames:
@@ -24,8 +24,8 @@ def badness(rows: Sequence[Mapping[str, Any]]) -> tuple[float, float]:
 
 def went_wrong(rows: Sequence[Mapping[str, Any]]) -> bool:
     """A swap, a capture, a loss, or more than one target-frame in twenty not within 100 mm."""
-    told = any(row["ever_swapped"] or row["ever_captured"] or row["ever_lost"] for row in rows)
-    return told or badness(rows)[0] > 0.05
+    failed = any(row["ever_swapped"] or row["ever_captured"] or row["ever_lost"] for row in rows)
+    return failed or badness(rows)[0] > 0.05
 
 
 def worst_first(

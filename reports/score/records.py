@@ -1,9 +1,10 @@
-"""What a played episode hands over to be scored: frozen, picklable, nothing computed."""
+"""Records of a played episode before it is scored: frozen, picklable, nothing computed."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Literal
 
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
@@ -13,13 +14,13 @@ from sim.truth import Truth
 
 VIEWS = ("left", "right")
 STAGES = ("render", "detect", "track")
-# Levels of the error budget, each with one more cause of error than the one before.
+# Levels of the error budget, each with one more cause of error than the level before.
 BUDGET_LEVELS = ("grid", "surface", "detector", "filter", "association")
 
 
 @dataclass(frozen=True, eq=False)
 class FrameOutcome:
-    """One frame: what was true, what the tracker said, what the detector saw.
+    """A frame: truth, the tracker's estimates, the detector's detections.
 
     detections: per view, may be empty; stage_s: wall time of a stage of `STAGES` [s].
     """
@@ -31,8 +32,8 @@ class FrameOutcome:
 
 
 @dataclass(frozen=True)
-class Picture:
-    """Both views of a frame side by side, all drawn in by `overlay.overlay_jpeg`."""
+class OverlayPicture:
+    """Both views of a frame with overlays, a JPEG of `overlay.overlay_jpeg`."""
 
     frame: int
     jpeg: bytes
@@ -40,7 +41,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Still:
-    """Both views of a frame, small and plain, by `stills.still`."""
+    """Both views of a frame, small and plain, a WebP of `stills.still`."""
 
     frame: int
     webp: bytes
@@ -48,7 +49,7 @@ class Still:
 
 @dataclass(frozen=True, eq=False)
 class Episode:
-    """One scenario played with one seed.
+    """A scenario played with one seed.
 
     cameras: left, right, as the cameras really are; frames in order, at least one;
     digest: of the concrete scenario; values: its drawn parameters; redrawn: how many draws of this
@@ -66,7 +67,7 @@ class Episode:
     frames: tuple[FrameOutcome, ...]
     digest: str = ""
     values: Mapping[str, float | str] = field(default_factory=dict)
-    pictures: tuple[Picture, ...] = ()
+    pictures: tuple[OverlayPicture, ...] = ()
     redrawn: int = 0
     film: tuple[Still, ...] = ()
     blame: Mapping[tuple[str, int, int], str] = field(default_factory=dict)
@@ -81,19 +82,23 @@ class Episode:
         if not self.fps > 0:
             raise ValueError(f"{name}: fps must be > 0, got {self.fps}")
         for outcome in self.frames:
-            truth, said = outcome.truth, outcome.estimates
-            if len(truth.centres_m) != len(TARGETS) or len(said.status) != len(TARGETS):
+            truth, status = outcome.truth, outcome.estimates.status
+            if len(truth.centres_m) != len(TARGETS) or len(status) != len(TARGETS):
                 raise ValueError(f"{name} frame {truth.index} must have {len(TARGETS)} targets")
             if len(truth.views) != len(VIEWS):
                 raise ValueError(f"{name} frame {truth.index} must have {len(VIEWS)} views")
 
 
+FailureKind = Literal["unposable", "plug-in", "time limit", "worker died", "exception"]
+
+
 @dataclass(frozen=True)
 class EpisodeFailure:
-    """An episode that gave no result: a crash, a time-out, a seed that cannot be posed."""
+    """An episode that gave no result. kind: for programs; reason: a line for people."""
 
     scenario: str
     seed: int
     reason: str
     group: str = ""
     digest: str = ""
+    kind: FailureKind = "exception"

@@ -99,16 +99,16 @@ def lateral_and_depth(
 
 
 def view_errors(camera: Camera, estimates_w: Floats, centres_w: Floats, marks_px: Floats) -> Floats:
-    """Distance (...) [px] of projected estimates (..., 3) [m] from what the view shows (..., 2).
+    """Distance (...) [px] of projected estimates (..., 3) [m] from targets in the view (..., 2).
 
     marks_px: centroid of the visible skin, in the undistorted picture; where NaN (unseen) the
     projected centre takes its place. Infinite where the estimate is behind the camera, NaN without
     an estimate and where the truth itself is unseen and behind the camera.
     """
     wanted = np.where(np.isfinite(marks_px), marks_px, project(camera, centres_w))
-    said = project(camera, estimates_w)
-    behind = np.isfinite(estimates_w).all(axis=-1) & ~np.isfinite(said).all(axis=-1)
-    distance = np.linalg.norm(said - wanted, axis=-1)
+    projected = project(camera, estimates_w)
+    behind = np.isfinite(estimates_w).all(axis=-1) & ~np.isfinite(projected).all(axis=-1)
+    distance = np.linalg.norm(projected - wanted, axis=-1)
     distance = np.where(behind & np.isfinite(wanted).all(axis=-1), np.inf, distance)
     return np.asarray(distance, dtype=np.float64)
 

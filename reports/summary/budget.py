@@ -1,4 +1,4 @@
-"""The error budget of a run: mean errors with ever more of the real system in them."""
+"""The error budget of a run: mean errors, each level with one more cause of error."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from pjpdaf.targets import TARGETS
-from reports.run.results import SavedRun
+from reports.run.load import SavedRun
 from reports.score.records import BUDGET_LEVELS
 
-# What a level adds to the one before it.
+# The cause of error that a level adds to the level before.
 CAUSES = {
     "grid": "whole pixels",
     "surface": "visible skin, not the body's centre",
@@ -29,7 +29,7 @@ class Budget:
 
     @property
     def shares_mm(self) -> dict[str, dict[str, float]]:
-        """What each cause adds: the first level, then differences; negative where one helps."""
+        """The error that each cause adds [mm], by target: the first level, then differences."""
         names = list(self.levels_mm)
         first = {CAUSES[names[0]]: dict(self.levels_mm[names[0]])}
         return first | {

@@ -11,8 +11,8 @@ import pandas as pd
 
 from pjpdaf.arrays import Floats
 from pjpdaf.targets import TARGETS
-from reports.run.results import SavedRun
-from reports.run.rows import CLEAR, HOTA, IDENTITY
+from reports.run.load import SavedRun
+from reports.run.schema import CLEAR, HOTA, IDENTITY
 from reports.score.mot import (
     ClearCounts,
     HotaCounts,
@@ -28,7 +28,7 @@ Counts = TypeVar("Counts")
 
 @dataclass(frozen=True)
 class GroupRow:
-    """Head and hands of some scenarios together. Ratios are of all frames, waiting ones too.
+    """Head and hands of some scenarios together. Ratios are of all frames, waiting frames too.
 
     median_mm, p90_mm, err_acc_px (a median): a frame without an estimate counts as infinite;
     merged_*: of target-frames that are merged in a view; nees: mean, 3 is ideal; mota, idf1, hota:
@@ -143,7 +143,7 @@ def _row(
 def _counts(
     tracking: pd.DataFrame, prefix: str, fields: Sequence[Any], kind: type[Counts]
 ) -> list[Counts]:
-    """The counts of each episode, as the record that knows what to make of them."""
+    """The counts of each episode as records of this kind."""
     columns = [tracking[f"{prefix}_{f.name}"] for f in fields]
     return [kind(*values) for values in zip(*columns, strict=True)]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,17 +12,15 @@ from rich.table import Table
 from rich.text import Text
 
 from pjpdaf.targets import HEAD, TARGETS
-from reports.run.results import SavedRun
+from reports.run.load import SavedRun
 from reports.score.records import STAGES
 from reports.score.score import quantile
-
-ALL = "all"
-LABELS = {"head": "head", "right_hand": "right hand", "left_hand": "left hand", ALL: "all"}
+from reports.summary.text import ALL, LABELS, count, number, percent
 
 
 @dataclass(frozen=True)
 class SummaryRow:
-    """One target in one scenario ("all" pools them). Ratios are of ALL frames, waiting ones too.
+    """One target in one scenario ("all" pools them). Ratios are of ALL frames, waiting frames too.
 
     median_mm, p90_mm: 3-D error against the centre, err_acc_px: median of Eq. 4.1; a frame without
     an estimate counts as infinite. within_50, within_100, merged_within_100: shares 0-1, NaN
@@ -111,7 +108,7 @@ def summarise(run: SavedRun) -> Summary:
 
 
 def verdict(summary: Summary) -> str:
-    """What happened, in one line."""
+    """The outcome of a run in one line."""
     overall = summary.overall
     if overall.frames == 0:
         return f"{overall.episodes} episodes, none with a result."
@@ -167,32 +164,6 @@ def rich_table(summary: Summary) -> Table:
     if summary.failures:
         table.caption = Text(f"{count(len(summary.failures), 'episode')} gave no result")
     return table
-
-
-def number(value: float) -> str:
-    """Three figures; "∞" for more silence than numbers, "-" for nothing to measure."""
-    if math.isnan(value):
-        return "-"
-    if math.isinf(value):
-        return "∞"
-    return f"{value:.1f}" if abs(value) < 99.95 else f"{value:.0f}"
-
-
-def percent(share: float) -> str:
-    """A share 0-1 as per cent. Never rounded up to 100 or down to 0."""
-    if math.isnan(share):
-        return "-"
-    text = f"{100 * share:.1f}"
-    if text == "100.0" and share < 1:
-        text = "> 99.9"
-    elif text == "0.0" and share > 0:
-        text = "< 0.1"
-    return {"100.0": "100", "0.0": "0"}.get(text, text) + " %"
-
-
-def count(n: int, noun: str) -> str:
-    """'1 episode', '2 episodes'."""
-    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"
 
 
 def time_text(times: StageTimes) -> str:

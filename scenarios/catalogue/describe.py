@@ -1,4 +1,4 @@
-"""What a scenario is made of, as a table for people."""
+"""The table of `scenarios show`: a scenario's parameters, or a suite's entries."""
 
 from __future__ import annotations
 
@@ -9,20 +9,25 @@ from rich.table import Table
 
 from scenarios.spec.draw import concrete, perform
 from scenarios.spec.names import resolve, scenarios_of
-from scenarios.spec.parameters import Choice, File, Fixed, Normal, Numeric, Parameter
-from scenarios.spec.scenario import Scenario, Suite, digest, suite_digest
+from scenarios.spec.parameters.choice import Choice
+from scenarios.spec.parameters.distributions import Fixed, Normal
+from scenarios.spec.parameters.file import File
+from scenarios.spec.parameters.numeric import Numeric
+from scenarios.spec.parameters.parameter import Parameter
+from scenarios.spec.scenario import Scenario, digest
+from scenarios.spec.suite import Suite, suite_digest
 
 
-def describe(name: str, seed: int, overrides: Mapping[str, str] | None = None) -> None:
-    """Print what a scenario or a suite is made of. Raises BenchError.
+def print_description(name: str, seed: int, overrides: Mapping[str, str] | None = None) -> None:
+    """Print a scenario's parameters with the values of a seed, or a suite's entries.
 
-    Of a scenario its parameters, with the values of one seed and what is set of them.
+    overrides: parameters of the scenario that are set. Raises BenchError.
     """
-    found = resolve(name)
-    if isinstance(found, Suite):
-        _print(_suite_head(found), _suite_table(found))
+    described = resolve(name)
+    if isinstance(described, Suite):
+        _print(_suite_head(described), _suite_table(described))
     else:
-        _print(head(found), _scenario_table(found, seed, overrides or {}))
+        _print(_scenario_head(described), _scenario_table(described, seed, overrides or {}))
 
 
 def _print(lines: Iterable[str], table: Table) -> None:
@@ -77,8 +82,7 @@ def _suite_table(suite: Suite) -> Table:
     return table
 
 
-def head(scenario: Scenario) -> Iterator[str]:
-    """The lines above the table."""
+def _scenario_head(scenario: Scenario) -> Iterator[str]:
     yield f"{scenario.name} (version {scenario.version}, group {scenario.group})"
     yield scenario.summary
     if scenario.thesis:
@@ -103,9 +107,9 @@ def _cells(parameter: Parameter) -> tuple[str, str, str]:
     low, high = parameter.range
     nominal = parameter.nominal
     if isinstance(nominal, Fixed):
-        said = f"{nominal.value:g}"
+        distribution = f"{nominal.value:g}"
     elif isinstance(nominal, Normal):
-        said = f"normal {nominal.mean:g} sd {nominal.sd:g}"
+        distribution = f"normal {nominal.mean:g} sd {nominal.sd:g}"
     else:
-        said = "{} {:g} to {:g}".format(nominal.kind, *parameter.bounds)
-    return parameter.unit, f"{low:g} to {high:g}", said
+        distribution = "{} {:g} to {:g}".format(nominal.kind, *parameter.bounds)
+    return parameter.unit, f"{low:g} to {high:g}", distribution

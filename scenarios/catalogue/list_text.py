@@ -12,8 +12,8 @@ WIDTH = 100
 HEADING = ("name", "group", "frames", "T", "what")  # 150 x 3: at 3 a second; T: of the thesis
 
 
-def lines() -> Iterator[str]:
-    """A heading, then every scenario and every suite; no line is longer than WIDTH.
+def catalogue_lines() -> Iterator[str]:
+    """Yield a heading, then every scenario and every suite; no line is longer than WIDTH.
 
     The last column goes on below itself, so that only a name stands at the start of a line.
     """

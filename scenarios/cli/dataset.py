@@ -9,22 +9,14 @@ from typing import Annotated
 import typer
 
 from pjpdaf.errors import BenchError
+from scenarios.cli.options import DatasetFolder, ExportFormats, Jobs, ScenarioSettings, Targets
 
 app = typer.Typer(help="Labelled stereo data sets.", no_args_is_help=True)
-
-Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a data set.")]
-Formats = Annotated[
-    str | None,
-    typer.Option(metavar="A,B", help="Of coco, mot, webdataset, parquet; or none [coco,mot]."),
-]
 
 
 @app.command()
 def make(
-    targets: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="[SCENARIO|SUITE]...", help="Names, or YAML files."),
-    ] = None,
+    targets: Targets = None,
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Folder of the data set; one that is begun goes on."),
@@ -43,7 +35,7 @@ def make(
             help="Of clean, depth, seg, amodal, disparity, correspondence, float; all, none.",
         ),
     ] = "depth,seg,amodal,disparity",
-    export: Formats = None,
+    export: ExportFormats = None,
     ladder: Annotated[
         bool,
         typer.Option(
@@ -51,11 +43,8 @@ def make(
             help="Each sequence five times: clean, + noise, + blur, + lens, + skin and light.",
         ),
     ] = False,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change a scenario parameter. Repeatable."),
-    ] = None,
-    jobs: Annotated[int | None, typer.Option(help="Worker processes [all cores].")] = None,
+    settings: ScenarioSettings = None,
+    jobs: Jobs = None,
     recipe: Annotated[
         Path | None,
         typer.Option(metavar="recipe.json", help="Instead: this one sequence again."),
@@ -73,17 +62,17 @@ def make(
     if recipe is not None:
         if targets:
             raise BenchError("--recipe makes its own sequence: leave out the scenarios")
-        from scenarios.dataset.make import make_again
+        from scenarios.dataset.remake import remake_sequence
 
-        typer.echo(make_again(recipe, out, frame))
+        typer.echo(remake_sequence(recipe, out, frame))
         return
     if frame is not None:
         raise BenchError("--frame is for a recipe: give --recipe FILE")
-    from scenarios.dataset.make import MakeRequest
-    from scenarios.dataset.make import make as make_dataset
-    from scenarios.play.recipe import Settings, labels_named, size_named
+    from scenarios.dataset.make import make_dataset
+    from scenarios.dataset.sequence_plan import MakeRequest
+    from scenarios.play.recipe import SequenceSettings, parse_labels, parse_size
 
-    wanted = labels_named(labels)
+    chosen = parse_labels(labels)
     make_dataset(
         MakeRequest(
             targets=tuple(targets or ("smoke",)),
@@ -91,8 +80,8 @@ def make(
             seeds=seeds,
             first_seed=first_seed,
             settings=tuple(settings or ()),
-            labels=Settings(wanted, None if size is None else size_named(size)),
-            exports=formats_named(export, wanted),
+            labels=SequenceSettings(chosen, None if size is None else parse_size(size)),
+            exports=parse_formats(export, chosen),
             ladder=ladder,
             jobs=jobs,
         )
@@ -101,23 +90,24 @@ def make(
 
 @app.command()
 def export(
-    folder: Folder,
-    to: Formats = None,
+    folder: DatasetFolder,
+    to: ExportFormats = None,
 ) -> None:
     """Write a data set in other formats too, into its own folder; older ones are replaced.
 
     coco: annotations/, mot: mot/, webdataset: webdataset/ (tar files), parquet: parquet/ (with the
     pictures in it, as Hugging Face's `datasets` reads it).
     """
-    from scenarios.dataset.make import export_again, labels_of
+    from scenarios.dataset.finish import export_dataset
+    from sim.dataset.reader import open_dataset
 
-    for path in export_again(folder, formats_named(to, labels_of(folder))):
+    for path in export_dataset(folder, parse_formats(to, open_dataset(folder).labels)):
         typer.echo(path)
 
 
 @app.command()
 def show(
-    folder: Folder,
+    folder: DatasetFolder,
     out: Annotated[
         Path | None,
         typer.Option(help="New folder for both, or a .png or .html file [NAME-show]."),
@@ -138,14 +128,14 @@ def show(
 
 @app.command()
 def verify(
-    folder: Folder,
+    folder: DatasetFolder,
     sums: Annotated[
         bool, typer.Option("--sums/--no-sums", help="Compare every file's SHA-256 too.")
     ] = True,
     rays: Annotated[
         int, typer.Option(help="Frames compared with rays into the rebuilt scenes; 0: none.")
     ] = 4,
-    jobs: Annotated[int | None, typer.Option(help="Worker processes [all cores].")] = None,
+    jobs: Jobs = None,
 ) -> None:
     """Is a data set what it says it is? Every fault is a line with its file; exit code 1 then.
 
@@ -153,21 +143,21 @@ def verify(
     other and against the 3-D truth; depth and ids against rays.
     """
     from scenarios.dataset.verify import VerifyRequest, verify_dataset
-    from scenarios.run.run import worker_count
+    from scenarios.execute.local import worker_count
 
     raise typer.Exit(verify_dataset(VerifyRequest(folder, sums, rays, worker_count(jobs))))
 
 
-def formats_named(words: str | None, labels: Collection[str]) -> tuple[str, ...]:
-    """The formats of a text such as "coco,mot"; "none"; None: the usual ones that labels allow.
+def parse_formats(text: str | None, labels: Collection[str]) -> tuple[str, ...]:
+    """Read export formats such as "coco,mot" or "none"; None: coco and mot, if labels allow.
 
-    Raises BenchError for an unknown one, or one that needs a label that is not there.
+    Raises BenchError for an unknown format, or a format whose label is missing.
     """
-    from sim.dataset.layout import EXPORTS
+    from sim.dataset.files.layout import EXPORTS
 
-    if words is None:
+    if text is None:
         return ("coco", "mot") if "seg" in labels else ("mot",)
-    named = [word.strip() for word in words.split(",") if word.strip()]
+    named = [word.strip() for word in text.split(",") if word.strip()]
     if named == ["none"]:
         return ()
     for name in named:

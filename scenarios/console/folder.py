@@ -1,9 +1,10 @@
-"""An output folder that appears whole or not at all."""
+"""The output folder of a verb: its usual name, and how it appears whole or not at all."""
 
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+import time
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -33,3 +34,14 @@ def written_whole(folder: Path) -> Iterator[Path]:
             part.rename(folder)  # onto an empty folder too
     finally:
         shutil.rmtree(part, ignore_errors=True)
+
+
+def default_folder(targets: Sequence[str]) -> Path:
+    """runs/NAME-DATE-TIME; a number follows where two runs start in the same second."""
+    name = "+".join(Path(target).stem for target in targets)[:60]
+    base = Path("runs") / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
+    folder, number = base, 2
+    while folder.exists():
+        folder = base.with_name(f"{base.name}-{number}")
+        number += 1
+    return folder

@@ -1,29 +1,39 @@
-"""What a data set has beside its sequences: exports, the one calibration, card, Croissant."""
+"""Files of a data set beside its sequences: exports, common calibration, card, checksums."""
 
 from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
+from pjpdaf.errors import BenchError
 from reports.dataset.card import write_card
+from scenarios.console.interrupts import interrupts
+from scenarios.dataset.folder import only_process
+from scenarios.dataset.rays import compare_with_rays
 from sim.dataset.croissant import CROISSANT, croissant_record
 from sim.dataset.export.registry import EXPORTS
-from sim.dataset.layout import CALIBRATION, CONVENTIONS, conventions
+from sim.dataset.files.checksums import files_below, read_sums, sha256_of, text_of
+from sim.dataset.files.conventions import conventions
+from sim.dataset.files.layout import CALIBRATION, CHECKSUMS, CONVENTIONS, PART
+from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
 from sim.dataset.raytruth import RayFigures
-from sim.dataset.reader import Dataset
+from sim.dataset.reader import Dataset, open_dataset
 from sim.dataset.statistics import statistics_of
 from sim.files import disk_faults, part_folder, written_whole_file
 
+RAY_FRAMES = 4  # of a data set, compared with rays for its card
+
 
 def write_exports(dataset: Dataset, exports: Sequence[str]) -> list[Path]:
-    """The data set in other formats; the files of each. Raises BenchError."""
+    """Write the data set in other formats; returns the files. Raises BenchError."""
     return [path for name in exports for path in EXPORTS[name](dataset, dataset.folder)]
 
 
 def write_calibration(dataset: Dataset) -> None:
-    """`calib/` of the whole, where all sequences have the same; none where they differ."""
+    """Write the common `calib/`; none where the sequences have different calibrations."""
     target = dataset.folder / CALIBRATION
     first, *others = (_texts(sequence.folder / CALIBRATION) for sequence in dataset.sequences)
     with disk_faults(target, "the calibration"):
@@ -43,9 +53,9 @@ def _texts(folder: Path) -> dict[str, bytes]:
 
 
 def write_top(dataset: Dataset, argv: Sequence[str], rays: RayFigures | None = None) -> None:
-    """All that readers of the whole want: conventions, calibration, Croissant, the card.
+    """Write conventions, common calibration, Croissant record and card.
 
-    argv: of the command that made it; rays: what `dataset verify` found. Raises BenchError.
+    argv: the command that made the data set; rays: its comparison with rays. Raises BenchError.
     """
     write_text(dataset.folder / CONVENTIONS, json.dumps(conventions(), indent=1) + "\n")
     write_calibration(dataset)
@@ -57,3 +67,58 @@ def write_text(path: Path, text: str) -> None:
     """Write or replace a file, whole or not at all. Raises BenchError of the disk."""
     with written_whole_file(path, "the data set", replace=True) as part:
         part.write_text(text, encoding="utf-8")
+
+
+def finish_dataset(
+    out: Path,
+    entries: Sequence[SequenceEntry],
+    settings: Mapping[str, Any],
+    made_with: Mapping[str, Any],
+    exports: Sequence[str],
+    command: Sequence[str],
+) -> None:
+    """Write everything that is made from the finished sequences.
+
+    A few frames are compared with rays, and the card shows the result. The manifest becomes
+    complete, and is summed, last.
+    """
+    write_manifest(out, manifest_record(entries, settings, made_with, False, command))
+    dataset = open_dataset(out)
+    write_exports(dataset, exports)
+    write_top(dataset, command, compare_with_rays(out, RAY_FRAMES).figures)
+    write_manifest(out, manifest_record(entries, settings, made_with, True, command))
+    write_checksums(out, [entry.folder for entry in entries])
+
+
+def export_dataset(folder: Path, exports: Sequence[str]) -> list[Path]:
+    """Write the formats, card, Croissant record and checksums of a finished data set anew.
+
+    Returns the files of the formats. Raises BenchError, also where the data set is not finished.
+    """
+    dataset = open_dataset(folder)
+    if not dataset.manifest.get("complete"):
+        raise BenchError(f"{folder}: is not finished; give the command that made it once more")
+    with only_process(folder), interrupts() as arrived, arrived.raising():
+        written = write_exports(dataset, exports)
+        # The card and Croissant list the formats.
+        command = dataset.manifest.get("command")
+        argv = [str(word) for word in command] if isinstance(command, list) else []
+        write_top(dataset, argv, compare_with_rays(folder, RAY_FRAMES).figures)
+        write_checksums(folder, [sequence.name for sequence in dataset.sequences])
+    return written
+
+
+def write_checksums(out: Path, sequences: Sequence[str]) -> None:
+    """Write SHA256SUMS: sequences' own sums are taken over, all other files are read."""
+    sums: dict[str, str] = {}
+    for name in sequences:
+        own = out / name / CHECKSUMS
+        sums |= {f"{name}/{path}": value for path, value in read_sums(own).items()}
+        sums[f"{name}/{CHECKSUMS}"] = sha256_of(own)
+    known = set(sequences)
+    for path in sorted(out.iterdir()):
+        if path.name in known or path.name == CHECKSUMS or path.name.startswith(PART):
+            continue
+        for file in files_below(path) if path.is_dir() else (path,):
+            sums[file.relative_to(out).as_posix()] = sha256_of(file)
+    write_text(out / CHECKSUMS, text_of(sums))

@@ -10,15 +10,18 @@ import numpy as np
 from rich.console import Console
 
 from pjpdaf.errors import BenchError
-from reports.dataset.page import Clip, clips, dataset_page
+from reports.dataset.page import dataset_page
 from reports.dataset.rerun import write_dataset_rerun
-from reports.dataset.sheet import dataset_sheet, sheet_png
-from reports.summary.tables import count
-from scenarios.catalogue.film import spread, told_of_signals
+from reports.dataset.sequence_view import SequenceView, sequence_views
+from reports.dataset.sheet import dataset_sheet
+from reports.pictures.encode import png_of
+from reports.summary.text import count
+from scenarios.catalogue.frame_choice import representative_frames
+from scenarios.console.interrupts import unwritten_if_interrupted
 from scenarios.console.progress import progress_bar
 from sim.dataset.reader import Dataset, open_dataset
-from sim.dataset.reader import Sequence as Recorded
 from sim.dataset.statistics import statistics_of
+from sim.dataset.stored_sequence import StoredSequence
 from sim.files import disk_faults, written_whole_file
 
 SHEET, PAGE = "sheet.png", "page.html"
@@ -53,7 +56,7 @@ def show_dataset(request: ShowDatasetRequest) -> str:
         _check_place(path, dataset)
     first = next(path for path in (sheet, page, request.rerun) if path is not None)
     said = []
-    with told_of_signals(first):
+    with unwritten_if_interrupted(first):
         if request.rerun is not None:  # first: whether Rerun is there shows at once
             write_dataset_rerun(dataset, sequences, request.rerun)
             said.append(f"recording: {request.rerun} ({count(len(sequences), 'sequence')})")
@@ -67,7 +70,7 @@ def show_dataset(request: ShowDatasetRequest) -> str:
     return "\n".join(said)
 
 
-def _sequences(dataset: Dataset, number: int | None) -> tuple[Recorded, ...]:
+def _sequences(dataset: Dataset, number: int | None) -> tuple[StoredSequence, ...]:
     if not dataset.sequences:
         raise BenchError(f"{dataset.folder}: has no finished sequence; there is nothing to show.")
     if number is None:
@@ -106,28 +109,28 @@ def _check_place(path: Path | None, dataset: Dataset) -> None:
         raise BenchError(f"{path}: exists; give another name, or remove it first.")
 
 
-def _write_sheet(sequences: Sequence[Recorded], path: Path, alone: bool) -> str:
-    rows: list[tuple[Recorded, list[int]]]
+def _write_sheet(sequences: Sequence[StoredSequence], path: Path, alone: bool) -> str:
+    rows: list[tuple[StoredSequence, list[int]]]
     if alone:
         (one,) = sequences
-        chosen = spread(one.truths, ROW_FRAMES * ALONE_ROWS)
+        chosen = representative_frames(one.truths, ROW_FRAMES * ALONE_ROWS)
         starts = range(0, len(chosen), ROW_FRAMES)
         rows = [(one, chosen[start : start + ROW_FRAMES]) for start in starts]
     else:
         places = np.linspace(0, len(sequences) - 1, min(MOST_ROWS, len(sequences)))
         picked = [sequences[i] for i in places.round().astype(int).tolist()]
-        rows = [(one, spread(one.truths, ROW_FRAMES)) for one in picked]
+        rows = [(one, representative_frames(one.truths, ROW_FRAMES)) for one in picked]
     with written_whole_file(path, "the sheet") as part, disk_faults(path, "the sheet"):
-        part.write_bytes(sheet_png(dataset_sheet(rows)))
+        part.write_bytes(png_of(dataset_sheet(rows)))
     shown = len({one.name for one, _ in rows})
     return f"sheet: {path} ({_share(shown, len(sequences))})"
 
 
-def _write_page(dataset: Dataset, sequences: Sequence[Recorded], path: Path) -> str:
+def _write_page(dataset: Dataset, sequences: Sequence[StoredSequence], path: Path) -> str:
     frames = sum(one.frame_count for one in sequences)
     with progress_bar(Console(stderr=True)) as progress:
         task = progress.add_task("page", total=frames)
-        shown = clips(sequences, on_frame=lambda: progress.advance(task))
+        shown = sequence_views(sequences, on_frame=lambda: progress.advance(task))
     whole = Dataset(dataset.folder, dataset.manifest, tuple(sequences))
     title = dataset.folder.resolve().name
     if len(sequences) < len(dataset.sequences):
@@ -139,7 +142,7 @@ def _write_page(dataset: Dataset, sequences: Sequence[Recorded], path: Path) -> 
     return f"page: {path} ({_shown_words(shown, sequences)}, {size:.1f} MB)"
 
 
-def _shown_words(shown: Sequence[Clip], sequences: Sequence[Recorded]) -> str:
+def _shown_words(shown: Sequence[SequenceView], sequences: Sequence[StoredSequence]) -> str:
     words = _share(len(shown), len(sequences))
     if shown[-1].frames < shown[-1].sequence.frame_count:
         words += f", {shown[-1].frames} of {shown[-1].sequence.frame_count} frames of it"

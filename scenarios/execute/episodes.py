@@ -1,28 +1,29 @@
-"""Many episodes: a pool of local worker processes, isolated from each other and from the parent."""
+"""Many episodes, played by an executor."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from pjpdaf.errors import BenchError, InfrastructureError
-from pjpdaf.plugins.checked import PlugInFault
-from pjpdaf.plugins.registry import described
-from reports.run.results import films_to_keep
+from pjpdaf.errors import BenchError, PlugInFault
+from pjpdaf.plugins.registry import describe_exception
+from reports.run.films import films_to_keep
 from reports.run.rows import EpisodeRows, rows_of
-from reports.score.records import EpisodeFailure
-from scenarios.play.play import Job, digest_of, play
+from reports.score.records import EpisodeFailure, FailureKind
+from scenarios.execute.executor import Executor
+from scenarios.play.job import Job, digest_of
+from scenarios.play.play import play_complete
 from sim.contact.contact import Unposable
-from sim.processes import Answer, Lost, Workers
+from sim.processes import Answer, Lost
 
 EPISODE_TIME_LIMIT_S = 900.0
 
 
 @dataclass(frozen=True)
-class Played:
-    """What came of a list of jobs; finished ones only, in the order of the jobs.
+class PlayResults:
+    """The results of a list of jobs, in their order; of an interrupted run the finished ones.
 
-    renderer: "" where nothing was rendered.
+    renderer: its description, "" where nothing was rendered.
     """
 
     rows: tuple[EpisodeRows, ...]
@@ -33,31 +34,29 @@ class Played:
 def _play_safely(job: Job) -> EpisodeRows | BenchError:
     """`play`, with what a user can put right returned, and any other fault as a failed episode."""
     try:
-        return rows_of(play(job))
+        return rows_of(play_complete(job))
     except Unposable as fault:
-        return _failure(job, f"cannot be posed: {fault}")
+        return _failure(job, "unposable", f"cannot be posed: {fault}")
     except BenchError as fault:
-        # Errors with fields of their own do not survive pickling; line and exit code suffice.
-        kind = InfrastructureError if fault.exit_code == 5 else BenchError
-        return kind(str(fault))
+        return fault
     except PlugInFault as fault:
-        return _failure(job, str(fault))
+        return _failure(job, "plug-in", str(fault))
     except (Exception, SystemExit, KeyboardInterrupt) as fault:
         # Of a plug-in, too: Ctrl-C does not reach a worker, and nothing of ours exits here.
-        return _failure(job, described(fault))
+        return _failure(job, "exception", describe_exception(fault))
 
 
 def play_all(
     jobs: Sequence[Job],
-    workers: int,
+    executor: Executor,
     on_done: Callable[[EpisodeRows], None] = lambda row: None,
     time_limit_s: float = EPISODE_TIME_LIMIT_S,
-) -> Played:
-    """Play all jobs on `workers` processes.
+) -> PlayResults:
+    """Play all jobs on an executor.
 
     A worker that dies is replaced and its episode played again, three times at most; an episode
     over its time limit, or that raises, becomes a failed episode. Ctrl-C ends the run and keeps
-    what is finished. Neither the rows nor their order depend on `workers`.
+    what is finished. Neither the rows nor their order depend on the executor.
     Raises BenchError (the first in the order of the jobs) where the user's input is at fault.
     OpenGL is needed only where a job is rendered.
     """
@@ -65,32 +64,33 @@ def play_all(
     interrupted = False
     renderer = ""
     try:
-        with Workers(min(workers, len(jobs))) as pool:
-            if any(job.kept is None for job in jobs):
-                renderer = pool.renderer()
-            for found in pool.outcomes(_play_safely, dict(enumerate(jobs)), time_limit_s):
-                if found is None:
-                    continue
-                index, outcome = found
-                results[index] = _outcome(outcome, jobs[index], time_limit_s)
-                if results[index].film:
-                    _drop_films(results)
-                on_done(results[index])
+        if any(job.kept is None for job in jobs):
+            renderer = executor.renderer()
+        for indexed in executor.outcomes(_play_safely, dict(enumerate(jobs)), time_limit_s):
+            if indexed is None:
+                continue
+            index, outcome = indexed
+            results[index] = _rows_of_outcome(outcome, jobs[index], time_limit_s)
+            if results[index].film:
+                _drop_films(results)
+            on_done(results[index])
     except KeyboardInterrupt:
         interrupted = True
-    return Played(tuple(results[i] for i in sorted(results)), interrupted, renderer)
+    return PlayResults(tuple(results[i] for i in sorted(results)), interrupted, renderer)
 
 
-def _outcome(
+def _rows_of_outcome(
     outcome: Answer[EpisodeRows | BenchError] | Lost, job: Job, time_limit_s: float
 ) -> EpisodeRows:
     """An episode's rows; a failed episode where there is no answer. Raises the user's faults."""
     if isinstance(outcome, Lost):
         if outcome.late:
             limit = f"{time_limit_s:.0f} s"
-            return _failure(job, f"not finished within {limit}; --time-limit gives it more")
+            return _failure(
+                job, "time limit", f"not finished within {limit}; --time-limit gives it more"
+            )
         times, code = outcome.attempts, outcome.exit_code
-        return _failure(job, f"its worker died {times} times (exit code {code})")
+        return _failure(job, "worker died", f"its worker died {times} times (exit code {code})")
     if isinstance(outcome.value, BenchError):
         raise outcome.value
     return outcome.value
@@ -104,7 +104,7 @@ def _drop_films(results: dict[int, EpisodeRows]) -> None:
             results[index] = replace(row, film=())
 
 
-def _failure(job: Job, reason: str) -> EpisodeRows:
-    scenario = job.scenario
-    failure = EpisodeFailure(job.name, job.seed, reason, scenario.group, digest_of(job))
-    return rows_of(failure)
+def _failure(job: Job, kind: FailureKind, reason: str) -> EpisodeRows:
+    return rows_of(
+        EpisodeFailure(job.name, job.seed, reason, job.scenario.group, digest_of(job), kind)
+    )

@@ -1,15 +1,17 @@
-"""Somebody else's code in a process of its own: what hangs or ends it becomes one line."""
+"""Plug-in code in a process of its own: code that hangs or ends the process becomes one line."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
 from pjpdaf.errors import BenchError
-from pjpdaf.plugins.conformance import cameras_in_front
 from pjpdaf.plugins.registry import make_detector, make_tracker
-from pjpdaf.presets.parameters import PRESETS
-from sim.processes import Lost, Workers
+from pjpdaf.plugins.scenes import cameras_in_front
+from pjpdaf.presets.registry import PRESETS
+from sim.processes import Answer, WorkerPool
 
 BUILD_LIMIT_S = 120.0  # imports of large libraries included
 R = TypeVar("R")
@@ -19,40 +21,43 @@ class Ended(BenchError):
     """A process that gave no answer: it was ended, or ended itself."""
 
 
-def isolated(what: str, limit_s: float, function: Callable[..., R], *arguments: Any) -> R:
-    """`function(*arguments)` in a new process.
+def isolated(subject: str, limit_s: float, function: Callable[..., R], *arguments: Any) -> R:
+    """Call `function(*arguments)` in a new process; its value.
 
-    Raises Ended where it gives no answer within limit_s or ends the process, and the BenchError
-    that it raises itself.
+    subject: what the code belongs to, for messages, such as "tracker 'mine:make'". Raises Ended
+    where the process gives no answer within limit_s or ends, and what the function raises.
     """
-    with Workers(1) as workers:
-        outcomes = workers.outcomes(_answer, {0: (function, arguments)}, limit_s, attempts=1)
-        said = next(found for found in outcomes if found is not None)[1]
-    if isinstance(said, Lost):
-        if said.late:
-            raise Ended(f"The {what} gives no answer within {limit_s:g} s.")
-        raise Ended(
-            f"The {what} ends the interpreter (exit code {said.exit_code}); it must raise instead."
-        )
-    if isinstance(said.value, BenchError):
-        raise said.value
-    answer: R = said.value
-    return answer
+    with WorkerPool(1) as pool:
+        outcomes = pool.outcomes(_call, {0: (function, arguments)}, limit_s, attempts=1)
+        outcome = next(indexed for indexed in outcomes if indexed is not None)[1]
+    if isinstance(outcome, Answer):
+        value: R = outcome.value
+        return value
+    if outcome.late:
+        raise Ended(f"The {subject} gives no answer within {limit_s:g} s.")
+    raise Ended(
+        f"The {subject} ends the interpreter (exit code {outcome.exit_code}); it must raise "
+        "instead."
+    )
 
 
-def _answer(work: tuple[Callable[..., R], tuple[Any, ...]]) -> R | BenchError:
+def _call(work: tuple[Callable[..., R], tuple[Any, ...]]) -> R:
     function, arguments = work
-    try:
-        return function(*arguments)
-    except BenchError as fault:
-        return BenchError(str(fault))  # those with fields of their own do not survive pickling
+    return function(*arguments)
+
+
+def allow_plug_ins_from_here(*names: str) -> None:
+    """Let a module:factory among `names` lie in the current folder.
+
+    The folder comes last on the path, so that it hides no library.
+    """
+    here = str(Path.cwd())
+    if any(":" in name for name in names) and here not in sys.path:
+        sys.path.append(here)
 
 
 def try_plug_ins(detector: str, tracker: str, limit_s: float = BUILD_LIMIT_S) -> None:
-    """Build both once where a fault cannot do harm; those of a preset need no trial.
-
-    Raises BenchError.
-    """
+    """Build plug-ins once in a process of their own; a preset needs no trial. Raises BenchError."""
     for kind, name in (("detector", detector), ("tracker", tracker)):
         if name not in PRESETS:
             isolated(f"{kind} {name!r}", limit_s, _build, kind, name)

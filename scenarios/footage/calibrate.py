@@ -13,16 +13,18 @@ from rich.console import Console
 from rich.table import Table
 
 from pjpdaf.boards import Board
-from pjpdaf.calibrate import LENS_FLAGS, CalibrationReport, calibrate_pairs
+from pjpdaf.calibrate import calibrate as calibrate_pairs
+from pjpdaf.calibration_report import CalibrationReport
 from pjpdaf.errors import BenchError
 from pjpdaf.sources import PicturePair, open_source, picture_pairs
+from pjpdaf.stereo_solver import LENS_FLAGS
 from scenarios.console.folder import written_whole
 from scenarios.console.progress import progress_bar
 
 
 @dataclass(frozen=True)
 class CalibrateRequest:
-    """What the command line asked for; None = not given."""
+    """The options of `calibrate`; None = not given."""
 
     left: Path
     right: Path
@@ -47,7 +49,7 @@ def calibrate(request: CalibrateRequest) -> None:
         pairs = picture_pairs(
             request.left,
             request.right,
-            lambda words: console.print(words, markup=False, highlight=False, soft_wrap=True),
+            lambda message: console.print(message, markup=False, highlight=False, soft_wrap=True),
         )
         total = max(open_source(path).count for path in (request.left, request.right))
         with progress_bar(console) as progress:
@@ -65,7 +67,7 @@ def calibrate(request: CalibrateRequest) -> None:
 
 
 def board_of(request: CalibrateRequest) -> Board:
-    """The board that the words describe. Raises BenchError."""
+    """The board that the options describe. Raises BenchError."""
     shape = re.fullmatch(r"([0-9]+)[xX×]([0-9]+)", request.board)
     if shape is None:
         raise BenchError(
@@ -95,8 +97,8 @@ def _print(report: CalibrationReport, out: Console, folder: Path, names: list[Pa
             f"{value:.3f}" if np.isfinite(value) else "-"
             for value in (pair.error_left_px, pair.error_right_px)
         ]
-        words = "" if pair.used else f"dropped: {pair.reason}"
-        table.add_row(Path(pair.left).name, Path(pair.right).name, *errors, words)
+        remark = "" if pair.used else f"dropped: {pair.reason}"
+        table.add_row(Path(pair.left).name, Path(pair.right).name, *errors, remark)
     # Not on a screen: wide enough that no reason is wrapped.
     (out if out.is_terminal else Console(width=200)).print(table)
     rig = report.rig

@@ -2,113 +2,53 @@
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 import itertools
-import json
-import signal
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
-from types import FrameType, TracebackType
-from typing import Any
 
 from rich.console import Console
 
-from pjpdaf.calibration import read_rig
-from pjpdaf.camera import StereoRig, undistort_picture
-from pjpdaf.detector.detector import SkinDetector, with_skin
-from pjpdaf.detector.skin import SkinRange, learn_skin_from_head, learn_skin_range
-from pjpdaf.errors import BenchError, InfrastructureError
-from pjpdaf.interfaces import AnyTracker, Detector, Estimates
-from pjpdaf.plugins.registry import make_detector, make_tracker
-from pjpdaf.presets.parameters import PRESETS, find_preset, override, with_values
-from pjpdaf.sources import (
-    FOLDER_RATE_HZ,
-    Video,
-    open_source,
-    picture_pairs,
-    read_picture,
-    stereo_frames,
-)
-from reports.footage.track_page import TrackFacts, TrackRecord, status_table, track_page
+from pjpdaf.errors import BenchError
+from pjpdaf.follow import follow
+from reports.footage.status_table import status_table
+from reports.footage.track_page import track_page
+from reports.footage.track_record import TrackRecord
 from reports.footage.tracks import TrackWriter
-from reports.page.page import write_text
-from reports.pictures.film import Film
+from reports.page.templating import write_text
+from reports.pictures.film import FilmWriter
 from reports.pictures.overlay import encode_jpeg, overlay_picture
-from reports.run.provenance import provenance
 from scenarios.console.folder import written_whole
+from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
 from scenarios.console.progress import progress_bar
-from scenarios.run.run import Interrupted, find_plug_ins_here, read_settings
-
-UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
-HEAD = "head"  # as --skin-sample: learn from the head in the first frames
-HEAD_FRAMES = 30
-BROAD_SKIN = SkinRange((340.0, 50.0), (0.1, 0.85), 0.15)  # anyone's, in any usual light
-LARGE_BASELINE_M = 1.0  # two cameras that see one table are nearer
-
-
-@dataclass(frozen=True)
-class TrackRequest:
-    """What the command line asked for; None = not given."""
-
-    left: Path
-    right: Path
-    calibration: tuple[Path, Path]
-    background_left: Path | None
-    background_right: Path | None
-    background_first: int | None
-    fps: float | None
-    preset: str
-    detector: str
-    tracker: str
-    settings: tuple[str, ...]
-    skin_sample: Path | None
-    unit: str
-    out: Path
-    argv: tuple[str, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """A request that has been checked: everything but the pictures themselves."""
-
-    request: TrackRequest
-    rig: StereoRig
-    rate_hz: float
-    total: int | None
-    detector: Detector
-    tracker: AnyTracker
-    parameters: Mapping[str, Any]
-    changed: Mapping[str, Any]
-
-    @property
-    def sizes_px(self) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Width and height of each view."""
-        left, right = self.rig.cameras
-        return (left.width_px, left.height_px), (right.width_px, right.height_px)
+from scenarios.footage.learning import learn_scene
+from scenarios.footage.outputs import page_info, write_json
+from scenarios.footage.session import TrackRequest, TrackSession, prepare_session
 
 
 def track(request: TrackRequest) -> None:
     """Track, save, print.
 
-    Raises BenchError, for a fault in mid-footage after all before it is saved; Interrupted after
-    Ctrl-C or SIGTERM, likewise.
+    Raises BenchError; Interrupted after a signal; KeyboardInterrupt after a second signal while
+    frames are still tracked, and then nothing is saved. After a signal, or a fault in mid-footage,
+    the frames before it are saved.
     """
     console = Console(stderr=True)
 
-    def say(words: str) -> None:
-        console.print(words, markup=False, highlight=False, soft_wrap=True)
+    def warn(message: str) -> None:
+        console.print(message, markup=False, highlight=False, soft_wrap=True)
 
     with written_whole(request.out) as part:
-        plan = plan_of(request, say)
-        with _Stop() as stop:
-            with console.status("learning the background"):
-                plan = _learnt(plan, say)
-            record, film = _follow(plan, part, console, say, stop)
-            facts = _facts(plan, film, complete=not stop.asked and stop.fault is None)
-            write_text(part / "report.html", track_page(record, facts))
-            _write_json(part / "track.json", plan, record, facts)
+        session = prepare_session(request, warn)
+        with interrupts() as arrived:
+            with arrived.raising(at=2):
+                with console.status("learning the background"):
+                    session = learn_scene(session, warn)
+                record, film, fault = _follow(session, part, console, warn, arrived)
+            info = page_info(session, film, complete=not arrived.arrived and fault is None)
+            write_text(part / "report.html", track_page(record, info))
+            write_json(part / "track.json", session, record, info)
     out = Console()
     out.print(status_table(record))
     for line in (
@@ -120,298 +60,45 @@ def track(request: TrackRequest) -> None:
     ):
         out.print(line, markup=False, highlight=False, soft_wrap=True)
     kept = f"the first {record.frames} frames are saved in {request.out}"
-    if stop.fault is not None:
-        kind = InfrastructureError if stop.fault.exit_code == 5 else BenchError
-        raise kind(f"{str(stop.fault).rstrip('.')}; {kept}")
-    if stop.asked:
+    if fault is not None:
+        raise fault.reworded(f"{str(fault).rstrip('.')}; {kept}")
+    if arrived.arrived:
         raise Interrupted(f"interrupted: {kept}")
 
 
-def plan_of(request: TrackRequest, say: Callable[[str], None]) -> Plan:
-    """Everything that can be wrong is found here. Raises BenchError."""
-    find_plug_ins_here(request.detector, request.tracker)
-    settings = read_settings(request.settings)
-    for key in settings.scenario:
-        raise BenchError(f"--set {key}: footage has only detector.NAME and tracker.NAME to change")
-    _check_background(request)
-    if request.fps is not None and not 0 < request.fps <= 1000:
-        raise BenchError(f"--fps must be above 0 and at most 1000, got {request.fps:g}")
-    size_px = _first_size(request)
-    rig = read_rig(*request.calibration, size_px=size_px, unit_m=unit_of(request.unit))
-    baseline_m = float((rig.T @ rig.T) ** 0.5)
-    if baseline_m > LARGE_BASELINE_M:
-        say(
-            f"{request.calibration[1]}: the cameras are {baseline_m:.2f} m apart; if T is not in "
-            "metres, give --unit mm, or the side of the board's square in metres."
-        )
-    learnt = _skin(request.skin_sample)
-    detector_settings = {**learnt, **settings.detector}
-    detector = make_detector(request.detector, rig.cameras, detector_settings)
-    tracker = make_tracker(request.tracker, rig.cameras, settings.tracker)
-    parameters: dict[str, Any] = {"detector": request.detector, "tracker": request.tracker}
-    if request.detector in PRESETS:
-        chosen = override(find_preset(request.detector), detector_settings).detector
-        parameters |= {f"detector.{key}": value for key, value in asdict(chosen).items()}
-    if request.tracker in PRESETS:
-        used = override(find_preset(request.tracker), settings.tracker).tracker
-        parameters |= {f"tracker.{key}": value for key, value in asdict(used).items()}
-    changed = {f"detector.{key}" for key in detector_settings}
-    changed |= {f"tracker.{key}" for key in settings.tracker}
-    left = open_source(request.left)
-    own_hz = left.rate_hz if isinstance(left, Video) and left.rate_hz else FOLDER_RATE_HZ
-    counts = [s.count for s in (left, open_source(request.right))]
-    return Plan(
-        request,
-        rig,
-        request.fps or own_hz,
-        max(counts) if all(counts) else None,
-        detector,
-        tracker,
-        parameters,
-        {key: parameters[key] for key in changed if key in parameters},
-    )
-
-
-def unit_of(words: str) -> float:
-    """Length [m] of the calibration's unit: m, cm, mm, in, or a number of metres."""
-    if words in UNITS_M:
-        return UNITS_M[words]
-    try:
-        length_m = float(words)
-    except ValueError:
-        length_m = 0.0
-    if not 0 < length_m < 1000:
-        raise BenchError(
-            f"--unit must be one of {', '.join(UNITS_M)} or a number of metres, got {words!r}"
-        )
-    return length_m
-
-
-def _check_background(request: TrackRequest) -> None:
-    folders = (request.background_left, request.background_right)
-    first = request.background_first
-    if first is None and folders == (None, None):
-        raise BenchError(
-            "No background: give --background-left and --background-right, person-free pictures of "
-            "each view, or --background-first N where the footage begins with N such frames."
-        )
-    if first is not None and folders != (None, None):
-        raise BenchError("Give --background-first or the background folders, not both.")
-    if first is None and None in folders:
-        raise BenchError("Give both --background-left and --background-right.")
-    if first is not None and first < 2:
-        raise BenchError(f"--background-first must be at least 2, got {first}")
-
-
-def _first_size(request: TrackRequest) -> tuple[int, int]:
-    """Width and height of the left view's first readable picture."""
-    if request.left.resolve() == request.right.resolve():
-        raise BenchError(f"--left and --right are the same: {request.left}")
-    # Opens both: a wrong path, an empty folder or unlike lengths are found before anything else.
-    for pair in picture_pairs(request.left, request.right):
-        picture = pair.pictures[0]
-        if picture is not None:
-            return picture.shape[1], picture.shape[0]
-    raise BenchError(f"{request.left}: no picture in it can be read.")
-
-
-def _skin(sample: Path | None) -> dict[str, Any]:
-    """Detector parameters from a picture of skin."""
-    if sample is None or sample == Path(HEAD):
-        return {}
-    if not sample.is_file():
-        raise BenchError(f"{sample}: no such skin sample; give a picture cropped to skin.")
-    picture = read_picture(sample)
-    if picture is None:
-        raise BenchError(f"{sample}: cannot be read as a picture.")
-    try:
-        skin = learn_skin_range(picture)
-    except BenchError as fault:
-        raise BenchError(f"{sample}: {fault}") from None
-    return skin_values(skin)
-
-
-def skin_values(skin: SkinRange) -> dict[str, Any]:
-    """A skin range as parameters of the detector."""
-    return {
-        "hue_range_deg": skin.hue_deg,
-        "saturation_range": skin.saturation,
-        "value_min": skin.value_min,
-    }
-
-
-def _learnt(plan: Plan, say: Callable[[str], None]) -> Plan:
-    """The plan with a detector that knows scene and skin. Raises BenchError."""
-    detector = _with_background(plan, say)
-    if plan.request.skin_sample != Path(HEAD):
-        return dataclasses.replace(plan, detector=detector)
-    if not isinstance(detector, SkinDetector):
-        raise BenchError(f"--skin-sample {HEAD} is of the presets' detector; give a picture.")
-    values = skin_values(_skin_of_head(plan, detector))
-    given = read_settings(plan.request.settings).detector
-    values = {key: value for key, value in values.items() if key not in given}
-    parameters = with_values(detector.parameters, values)
-    named = {f"detector.{key}": value for key, value in values.items()}
-    return dataclasses.replace(
-        plan,
-        detector=dataclasses.replace(detector, parameters=parameters),
-        parameters={**plan.parameters, **named},
-        changed={**plan.changed, **named},
-    )
-
-
-def _skin_of_head(plan: Plan, detector: SkinDetector) -> SkinRange:
-    """Skin range from the highest skin-like thing that is not background (thesis 3.6)."""
-    request = plan.request
-    start = request.background_first or 0
-    frames = stereo_frames(request.left, request.right, plan.rate_hz, plan.sizes_px)
-    broad = dataclasses.replace(
-        detector, parameters=with_skin(detector.parameters, BROAD_SKIN), keep_masks=True
-    )
-    whole = detector.parameters.undistort == "picture"
-    pictures, masks = [], []
-    for frame in itertools.islice(frames, start, start + HEAD_FRAMES):
-        for camera, picture, seen in zip(
-            plan.rig.cameras, frame.pictures, broad(frame), strict=True
-        ):
-            if picture is not None and seen.mask is not None:
-                pictures.append(undistort_picture(camera, picture) if whole else picture)
-                masks.append(seen.mask)
-    return learn_skin_from_head(pictures, BROAD_SKIN, masks)
-
-
-def _with_background(plan: Plan, say: Callable[[str], None]) -> Detector:
-    """The detector with the person-free scene. Raises BenchError."""
-    request = plan.request
-    if request.background_first is not None:
-        wanted = request.background_first
-        if plan.total is not None and wanted > plan.total:
-            raise BenchError(
-                f"--background-first {wanted}: the footage has only {plan.total} frames"
-            )
-        # Silent: the same pictures are named when they are tracked.
-        frames = stereo_frames(request.left, request.right, plan.rate_hz, plan.sizes_px)
-        return plan.detector.learn(itertools.islice(frames, wanted))
-    left, right = request.background_left, request.background_right
-    assert left is not None
-    assert right is not None
-    # Each view learns for itself: unlike lengths do no harm.
-    return plan.detector.learn(
-        stereo_frames(left, right, plan.rate_hz, plan.sizes_px, say, shortest=True)
-    )
-
-
 def _follow(
-    plan: Plan, part: Path, console: Console, say: Callable[[str], None], stop: _Stop
-) -> tuple[TrackRecord, Path | None]:
-    """Detect and track all frames; the loop here owns the tracker's state."""
-    request, cameras = plan.request, plan.rig.cameras
-    record = TrackRecord(1 / plan.rate_hz)
+    session: TrackSession,
+    part: Path,
+    console: Console,
+    warn: Callable[[str], None],
+    arrived: Interrupts,
+) -> tuple[TrackRecord, Path | None, BenchError | None]:
+    """Detect and track all frames.
+
+    Returns the record, the film, and the fault of the input that ended the footage early, if any.
+    """
+    ended_by: BenchError | None = None
+    cameras = session.rig.cameras
+    record = TrackRecord(1 / session.rate_hz)
     with progress_bar(console) as progress:
-        task = progress.add_task("tracking", total=plan.total)
-        detector, tracker = plan.detector, plan.tracker
-        frames = stereo_frames(request.left, request.right, plan.rate_hz, plan.sizes_px, say)
-        state: Any = None
-        previous_s = 0.0
-        with TrackWriter(part, cameras) as tracks, Film(part, "overlay", plan.rate_hz) as film:
+        task = progress.add_task("tracking", total=session.total)
+        frames = itertools.takewhile(lambda _: not arrived.arrived, session.frames(warn))
+        with (
+            closing(TrackWriter(part, cameras)) as tracks,
+            closing(FilmWriter(part, "overlay", session.rate_hz)) as film,
+        ):
             try:
-                for frame in frames:
-                    if stop.asked:
-                        break
-                    dt_s = frame.time_s - previous_s
-                    previous_s = frame.time_s
-                    expected = tracker.predict(state, dt_s) if state is not None else None
-                    seen = detector(frame, expected)
-                    if state is None:
-                        state = tracker.start(seen)
-                        said = Estimates.waiting() if state is None else tracker.estimates(state)
-                    else:
-                        state, said = tracker.step(state, seen, dt_s)
-                    sheet = overlay_picture(frame, cameras, seen, said)
-                    tracks.add(frame.index, frame.time_s, said)
+                for step in follow(frames, session.detector, session.tracker):
+                    frame, detections, estimates = step.frame, step.detections, step.estimates
+                    sheet = overlay_picture(frame, cameras, detections, estimates)
+                    tracks.add(frame.index, frame.time_s, estimates)
                     film.add(sheet)
-                    record.add(frame, seen, said, functools.partial(encode_jpeg, sheet))
+                    record.add(frame, detections, estimates, functools.partial(encode_jpeg, sheet))
                     progress.update(task, advance=1)
             except BenchError as fault:
                 if record.frames == 0:
                     raise
-                stop.fault = fault  # what was tracked before it is kept
+                ended_by = fault  # the frames tracked before it are kept
     if record.frames == 0:
         raise Interrupted("interrupted before any frame was tracked; nothing saved")
-    return record, film.path
-
-
-class _Stop:
-    """Why the frame loop ended early.
-
-    Ctrl-C, or SIGTERM, asks it to end after its frame, a second one ends at once; fault: an input
-    that cannot be used.
-    """
-
-    def __init__(self) -> None:
-        self.asked = False
-        self.fault: BenchError | None = None
-        self._before: Any = None
-
-    def __enter__(self) -> _Stop:
-        self._before = signal.getsignal(signal.SIGINT)
-        if self._before is not signal.SIG_IGN:  # a shell's background job stays deaf
-            signal.signal(signal.SIGINT, self._ask)
-        signal.signal(signal.SIGTERM, self._ask)
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        fault: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        signal.signal(signal.SIGINT, self._before)
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
-
-    def _ask(self, number: int, frame: FrameType | None) -> None:
-        if self.asked:
-            raise KeyboardInterrupt
-        self.asked = True
-
-
-def _facts(plan: Plan, film: Path | None, complete: bool) -> TrackFacts:
-    request = plan.request
-    background = (
-        f"the first {request.background_first} frames"
-        if request.background_first is not None
-        else f"{request.background_left} and {request.background_right}"
-    )
-    return TrackFacts(
-        title=f"Tracks: {request.out.absolute().name}",
-        complete=complete,
-        film=film,
-        rig=plan.rig,
-        sources=(
-            ("left", str(request.left)),
-            ("right", str(request.right)),
-            ("background", background),
-            ("calibration", " and ".join(map(str, request.calibration))),
-            ("frames a second", f"{plan.rate_hz:g}"),
-        ),
-        parameters=plan.parameters,
-        changed=plan.changed,
-        provenance=provenance(request.argv),
-    )
-
-
-def _write_json(path: Path, plan: Plan, record: TrackRecord, facts: TrackFacts) -> None:
-    content = {
-        "kind": "pjpdaf-bench track",
-        "complete": facts.complete,
-        "frames": record.frames,
-        "rate_hz": plan.rate_hz,
-        "missing_pictures": record.missing_pictures,
-        "first_tracked_frame": record.first_frame,
-        "targets": {line.target: dict(line.frames) for line in record.lines()},
-        "sources": dict(facts.sources),
-        "parameters": dict(plan.parameters),
-        "changed": sorted(plan.changed),
-        "provenance": dict(facts.provenance),
-    }
-    write_text(path, json.dumps(content, indent=1, ensure_ascii=False, default=str) + "\n")
+    return record, film.path, ended_by

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from pjpdaf.camera import Camera
 from pjpdaf.interfaces import AnyTracker
@@ -12,6 +13,11 @@ from scenarios.play.oracle import Oracle, stages_of, track_again
 
 BLAMED = ("swap", "capture", "lost")  # a recovery is nobody's fault
 NONE = "none"  # no single replacement cures it
+
+
+def with_blame(episode: Episode, cameras: Sequence[Camera], tracker: AnyTracker) -> Episode:
+    """The episode with the stage at fault for each of its swaps, captures and losses."""
+    return replace(episode, blame=blame(episode, cameras, tracker))
 
 
 def blame(

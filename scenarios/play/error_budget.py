@@ -12,6 +12,7 @@ Each level adds one cause; what a level has more than the one before it is that 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,6 +23,11 @@ from reports.score.records import BUDGET_LEVELS, Episode
 from scenarios.play.oracle import Oracle, stages_of, track_again, true_assignment
 
 Pixels = Callable[[Episode, int, Sequence[Camera]], Floats]  # of a frame: (N, T, 2)
+
+
+def with_error_budget(episode: Episode, cameras: Sequence[Camera], tracker: AnyTracker) -> Episode:
+    """The episode with the errors of each level of the budget."""
+    return replace(episode, budget_m=error_budget(episode, cameras, tracker))
 
 
 def error_budget(
@@ -40,15 +46,15 @@ def error_budget(
         "grid": _located(episode, cameras, _whole_pixels),
         "surface": _located(episode, cameras, _visible_centroids),
         "detector": _located(episode, cameras, _detections),
-        "filter": _said(known),
-        "association": _said(episode),
+        "filter": _estimated(known),
+        "association": _estimated(episode),
     }
     errors = {name: np.linalg.norm(points - centres, axis=-1) for name, points in found.items()}
     undefined = np.isnan(np.stack([errors[name] for name in BUDGET_LEVELS])).any(axis=0)
     return {name: np.where(undefined, np.nan, errors[name]) for name in BUDGET_LEVELS}
 
 
-def _said(episode: Episode) -> Floats:
+def _estimated(episode: Episode) -> Floats:
     return np.stack([outcome.estimates.positions_m for outcome in episode.frames])
 
 

@@ -8,10 +8,11 @@ from pathlib import Path
 
 from pjpdaf.errors import BenchError
 from pjpdaf.plugins.registry import make_detector, make_tracker
-from scenarios.play.play import Job, System
+from scenarios.play.job import Job, System
 from scenarios.play.recipe import read_recipe
-from scenarios.spec.parameters import nearest
-from sim.dataset.reader import Dataset, Sequence, open_dataset
+from scenarios.spec.suggestion import did_you_mean
+from sim.dataset.reader import Dataset, open_dataset
+from sim.dataset.stored_sequence import StoredSequence
 
 
 def open_with_sequences(folder: Path) -> Dataset:
@@ -22,7 +23,7 @@ def open_with_sequences(folder: Path) -> Dataset:
     return dataset
 
 
-def job_of(sequence: Sequence) -> Job:
+def job_of_sequence(sequence: StoredSequence) -> Job:
     """The episode that a sequence is of, to be read instead of rendered.
 
     Raises BenchError where its recipe is of another version, or another than the manifest's.
@@ -38,7 +39,7 @@ def job_of(sequence: Sequence) -> Job:
     return replace(job, kept=sequence.folder.absolute(), size_px=recipe.settings.size_px)
 
 
-def jobs_of(
+def jobs_of_dataset(
     dataset: Dataset, system: System, only: Collection[str] = (), *, pictures: bool, films: bool
 ) -> list[Job]:
     """The episodes of a data set in its order; only: of these names in the results.
@@ -47,12 +48,12 @@ def jobs_of(
     for a recipe that cannot be read, a name or detector or tracker that does not exist.
     """
     # Of a copy: what a sequence has read would stay with it, and there may be thousands.
-    found = [job_of(replace(one)) for one in dataset.sequences]
+    found = [job_of_sequence(replace(one)) for one in dataset.sequences]
     jobs = [replace(job, system=system, keep_film=films) for job in found]
     names = list(dict.fromkeys(job.name for job in jobs))
     for name in only:
         if name not in names:
-            hint = nearest(name, names) or ";"
+            hint = did_you_mean(name, names) or ";"
             raise BenchError(f"--only {name}: not in it{hint} there are: {', '.join(names)}")
     check_once(dataset, ((job.name, job.seed) for job in jobs))
     jobs = [job for job in jobs if job.name in only or not only]
@@ -60,7 +61,7 @@ def jobs_of(
     # A rig may be new to a detector or tracker: each name's first is tried.
     for job in {job.name: job for job in reversed(jobs)}.values():
         assert job.kept is not None
-        cameras = Sequence(job.kept, {}).calibration.cameras
+        cameras = StoredSequence(job.kept, {}).calibration.cameras
         make_detector(system.detector, cameras, system.detector_settings)
         make_tracker(system.tracker, cameras, system.tracker_settings)
     return [replace(j, keep_pictures=pictures and j.seed == first[j.name]) for j in jobs]

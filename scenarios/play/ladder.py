@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from pjpdaf.errors import BenchError
-from scenarios.play.play import Job
+from scenarios.play.job import Job
 
 # What each rung sets beside what the rungs before it set. The first takes all of it away.
 _CLEAN: Mapping[str, float] = {

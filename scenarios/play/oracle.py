@@ -13,16 +13,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, undistort_points
+from pjpdaf.follow import follow
+from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import AnyTracker, Detections, Estimates
-from pjpdaf.tracker.filter import PJPDAF, TrackState
-from reports.score.records import Episode, FrameOutcome
+from pjpdaf.recorded import RecordedDetections
+from pjpdaf.tracker.filter import PJPDAF
+from pjpdaf.tracker.state import TrackState
+from reports.score.records import Episode
 from sim.truth import Truth, ViewTruth
 
 STAGES = ("detections", "association", "process")
@@ -54,31 +57,76 @@ def track_again(
     """
     if (oracle.association or oracle.process) and not isinstance(tracker, PJPDAF):
         raise ValueError("association and process can be replaced in a PJPDAF only")
-    state: Any = None
-    before: Truth | None = None
-    outcomes: list[FrameOutcome] = []
-    for outcome in episode.frames:
-        truth = outcome.truth
-        seen = outcome.detections
-        if oracle.detections:
-            seen = true_detections(truth, seen, cameras)
+    truths = tuple(outcome.truth for outcome in episode.frames)
+    recorded = tuple(outcome.detections for outcome in episode.frames)
+    if oracle.detections:
+        recorded = tuple(
+            true_detections(truth, seen, cameras)
+            for truth, seen in zip(truths, recorded, strict=True)
+        )
+    if isinstance(tracker, PJPDAF) and (oracle.association or oracle.process):
+        tracker = AidedTracker(tracker, tuple(cameras), truths, oracle)
+    frames = (StereoFrame(number, truth.time_s, ()) for number, truth in enumerate(truths))
+    steps = follow(frames, RecordedDetections(recorded), tracker)
+    outcomes = tuple(
+        replace(outcome, estimates=step.estimates, detections=step.detections)
+        for outcome, step in zip(episode.frames, steps, strict=True)
+    )
+    return replace(episode, frames=outcomes, pictures=())
+
+
+@dataclass(frozen=True, eq=False)
+class AidedState:
+    """State of an `AidedTracker`: the tracker's, None before its start, and the frame's number."""
+
+    state: TrackState | None
+    frame: int
+
+
+@dataclass(frozen=True, eq=False)
+class AidedTracker:
+    """A `Tracker`: a PJPDAF whose association or process model is replaced by the truth.
+
+    truths: of all frames that it will be given, in order; cameras: as calibrated.
+    """
+
+    tracker: PJPDAF
+    cameras: tuple[Camera, ...]
+    truths: tuple[Truth, ...]
+    oracle: Oracle
+
+    def start(self, detections: tuple[Detections, ...]) -> AidedState:
+        """Take the first frame. It counts even where the tracker waits: frames are numbered."""
+        return AidedState(self.tracker.start(detections), 0)
+
+    def step(
+        self, aided: AidedState, detections: tuple[Detections, ...], dt_s: float
+    ) -> tuple[AidedState, Estimates]:
+        """Step the tracker with truth in place of the oracle's stages; start it if it waits."""
+        frame, state = aided.frame + 1, aided.state
         if state is None:
-            state = tracker.start(seen)
-            said = Estimates.waiting() if state is None else tracker.estimates(state)
+            after = AidedState(self.tracker.start(detections), frame)
+            return after, self.estimates(after)
+        if self.oracle.process:
+            state = state_on_truth(state, self.truths[frame - 1])
+        if self.oracle.association:
+            assigned = true_assignment(self.truths[frame], detections, self.cameras)
+            state, estimates = self.tracker.step_assigned(state, assigned, dt_s)
         else:
-            assert before is not None
-            dt_s = truth.time_s - before.time_s
-            if oracle.process:
-                state = on_truth(state, before)
-            if oracle.association:
-                assert isinstance(tracker, PJPDAF)
-                assigned = true_assignment(truth, seen, cameras)
-                state, said = tracker.step_assigned(state, assigned, dt_s)
-            else:
-                state, said = tracker.step(state, seen, dt_s)
-        before = truth
-        outcomes.append(replace(outcome, estimates=said, detections=seen))
-    return replace(episode, frames=tuple(outcomes), pictures=())
+            state, estimates = self.tracker.step(state, detections, dt_s)
+        return AidedState(state, frame), estimates
+
+    def estimates(self, aided: AidedState) -> Estimates:
+        """Return the tracker's estimates; waiting before its start."""
+        if aided.state is None:
+            return Estimates.waiting()
+        return self.tracker.estimates(aided.state)
+
+    def predict(self, aided: AidedState, dt_s: float) -> Estimates:
+        """Return the tracker's prediction; waiting before its start."""
+        if aided.state is None:
+            return Estimates.waiting()
+        return self.tracker.predict(aided.state, dt_s)
 
 
 def true_detections(
@@ -128,7 +176,7 @@ def true_assignment(truth: Truth, seen: Sequence[Detections], cameras: Sequence[
     return assigned
 
 
-def on_truth(state: TrackState, truth: Truth) -> TrackState:
+def state_on_truth(state: TrackState, truth: Truth) -> TrackState:
     """The state with the truth's position and velocity as its mean; the covariance stays."""
     mean = np.concatenate([truth.centres_m, truth.velocities_mps], axis=1)
     return replace(state, mean=mean)

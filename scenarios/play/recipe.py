@@ -10,12 +10,12 @@ from typing import Any
 from pydantic import ValidationError
 
 from pjpdaf.errors import BenchError
-from scenarios.play.play import Job, System, digest_of
+from scenarios.play.job import Job, System, digest_of
 from scenarios.spec.draw import concrete, perform
 from scenarios.spec.names import load_scenario, scenario_names
-from scenarios.spec.parameters import File, FileText, file_named
+from scenarios.spec.parameters.file import File, FileText, file_named
 from scenarios.spec.scenario import Scenario, digest
-from sim.dataset.layout import DEFAULT_LABELS, LABELS
+from sim.dataset.files.layout import DEFAULT_LABELS, LABELS
 from sim.motion.stage import Value
 from sim.script import Performance
 from sim.specs import RigSpec
@@ -27,7 +27,7 @@ SMALLEST, LARGEST = 32, 4096  # width and height of a picture
 
 
 @dataclass(frozen=True)
-class Settings:
+class SequenceSettings:
     """What a data set's pictures and labels depend on beside its scenarios.
 
     size_px: width and height; the focal length goes with the width. None: as the scenario has it.
@@ -46,7 +46,7 @@ class Recipe:
     """A sequence to make. rung: of the ladder, "" without one."""
 
     job: Job
-    settings: Settings
+    settings: SequenceSettings
     rung: str = ""
     made_with: Mapping[str, Any] = field(default_factory=dict)
 
@@ -166,17 +166,17 @@ def read_recipe(record: Mapping[str, Any], folder: Path) -> Recipe:
     )
 
 
-def job_of(record: Mapping[str, Any], folder: Path) -> Job:
+def job_from_recipe(record: Mapping[str, Any], folder: Path) -> Job:
     """The episode of a recipe.json. Raises as `read_recipe`."""
     return read_recipe(record, folder).job
 
 
-def performance_of(record: Mapping[str, Any], folder: Path) -> Performance:
+def performance_from_recipe(record: Mapping[str, Any], folder: Path) -> Performance:
     """The sequence of a recipe.json. Raises as `read_recipe`, and Unposable."""
     return read_recipe(record, folder).performance()
 
 
-def labels_named(words: str) -> tuple[str, ...]:
+def parse_labels(words: str) -> tuple[str, ...]:
     """The labels of a text such as "depth,seg", in the order of LABELS; "all", "none".
 
     Raises BenchError for an unknown one.
@@ -197,7 +197,7 @@ def checked_labels(named: Collection[str], where: str) -> tuple[str, ...]:
     return tuple(name for name in LABELS if name in named)
 
 
-def size_named(words: str) -> tuple[int, int] | None:
+def parse_size(words: str) -> tuple[int, int] | None:
     """Width and height of a text such as "320x240"; None for the scenarios' own size.
 
     Raises BenchError.
@@ -218,7 +218,7 @@ def checked_size(size: tuple[int, int], where: str) -> tuple[int, int]:
     return size
 
 
-def _settings(record: Any, path: Path) -> Settings:
+def _settings(record: Any, path: Path) -> SequenceSettings:
     try:
         labels, size = record["labels"], record["size_px"]
         if not all(isinstance(name, str) for name in labels):
@@ -228,7 +228,7 @@ def _settings(record: Any, path: Path) -> Settings:
         raise BenchError(f"{path}: settings must have labels and size_px.") from None
     if size_px is not None:
         checked_size(size_px, f"{path}: settings.size_px")
-    return Settings(checked_labels(labels, f"{path}: settings.labels"), size_px)
+    return SequenceSettings(checked_labels(labels, f"{path}: settings.labels"), size_px)
 
 
 def _clips(record: Mapping[str, Any], folder: Path, path: Path) -> dict[str, FileText]:

@@ -16,11 +16,11 @@ from pathlib import Path
 from typing import Any
 
 from pjpdaf.errors import BenchError
-from reports.run.rows import METRICS_VERSION
-from scenarios.play.play import digest_of
-from scenarios.play.targets import Part, parts_of_suite
+from reports.run.schema import METRICS_VERSION
+from scenarios.play.job import digest_of
+from scenarios.play.targets import PlannedScenario, expand_suite
 from scenarios.spec.names import load_suite, suite_names
-from scenarios.spec.scenario import Suite
+from scenarios.spec.suite import Suite
 
 COMMAND = "python -m scenarios.play.suite_lock"
 FILE = "scenarios/suites/lock.json"
@@ -30,13 +30,13 @@ CRASH_POLICY = "worst"
 Lock = Mapping[str, Mapping[str, Any]]
 
 
-def stamp(suite: Suite) -> dict[str, Any]:
+def suite_record(suite: Suite) -> dict[str, Any]:
     """What a suite is, for run.json and the lock.
 
     name, version, digest; metrics_version; entries: label -> 'scenario@version xSEEDS digest', in
     order. The digest is of the entries' digests, the metrics and the crash policy.
     """
-    entries = {part.label: _entry(part) for part in parts_of_suite(suite)}
+    entries = {part.label: _entry_record(part) for part in expand_suite(suite)}
     whole = [list(entries.items()), METRICS_VERSION, CRASH_POLICY]
     return {
         "name": suite.name,
@@ -47,15 +47,15 @@ def stamp(suite: Suite) -> dict[str, Any]:
     }
 
 
-def _entry(part: Part) -> str:
+def _entry_record(part: PlannedScenario) -> str:
     digests = [digest_of(part.job(seed)) for seed in range(part.seeds)]
     digest = hashlib.sha256("\n".join(digests).encode()).hexdigest()
     return f"{part.scenario.name}@{part.scenario.version} x{part.seeds} {digest}"
 
 
-def shipped_stamps() -> dict[str, dict[str, Any]]:
+def shipped_records() -> dict[str, dict[str, Any]]:
     """name@version -> stamp of all shipped suites."""
-    stamps = [stamp(load_suite(name)) for name in suite_names()]
+    stamps = [suite_record(load_suite(name)) for name in suite_names()]
     return {f"{one['name']}@{one['version']}": one for one in stamps}
 
 
@@ -105,7 +105,7 @@ def _what_changed(name: str, locked: Mapping[str, Any], now: Mapping[str, Any]) 
     )
 
 
-def updated(lock: Lock, stamps: Lock, *, replace: bool = False) -> dict[str, Any]:
+def updated_lock(lock: Lock, stamps: Lock, *, replace: bool = False) -> dict[str, Any]:
     """The lock with all suites of today; older versions stay.
 
     Raises BenchError where a locked version has changed, unless `replace`: for a version of which
@@ -122,7 +122,7 @@ def updated(lock: Lock, stamps: Lock, *, replace: bool = False) -> dict[str, Any
 def write_lock(folder: Path, *, replace: bool = False) -> Path:
     """Bring lock.json in the folder of the suites up to date. Raises BenchError."""
     path = folder / "lock.json"
-    whole = updated(read_lock(), shipped_stamps(), replace=replace)
+    whole = updated_lock(read_lock(), shipped_records(), replace=replace)
     path.write_text(json.dumps(whole, indent=1) + "\n", encoding="utf-8")
     return path
 

@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from scenarios.play.play import Job, System
+from scenarios.play.job import Job, System
 from scenarios.spec.draw import SETTINGS
 from scenarios.spec.names import resolve, scenarios_of
-from scenarios.spec.scenario import Scenario, Suite
+from scenarios.spec.scenario import Scenario
+from scenarios.spec.suite import Suite
 from sim.motion.stage import Value
 
 SCENARIO_SEEDS = 10  # of a scenario that is named alone
 
 
 @dataclass(frozen=True)
-class Part:
+class PlannedScenario:
     """One scenario of a run: what a suite changes of it, and how many seeds it plays."""
 
     scenario: Scenario
@@ -24,8 +25,8 @@ class Part:
     label: str
 
     @property
-    def takes(self) -> frozenset[str]:
-        """What `--set` can change."""
+    def changeable(self) -> frozenset[str]:
+        """Names that `--set` can change."""
         return frozenset((*self.scenario.parameters, *SETTINGS))
 
     def job(self, seed: int, system: System | None = None) -> Job:
@@ -33,21 +34,21 @@ class Part:
         return Job(self.scenario, seed, self.overrides, system or System(), label=self.label)
 
 
-def parts_of(target: str) -> list[Part]:
+def expand_target(target: str) -> list[PlannedScenario]:
     """Of a scenario, a suite, or a file of either. Raises BenchError."""
     found = resolve(target)
     if isinstance(found, Suite):
-        return parts_of_suite(found)
-    return _at_rates(Part(found, {}, SCENARIO_SEEDS, found.name))
+        return expand_suite(found)
+    return _at_rates(PlannedScenario(found, {}, SCENARIO_SEEDS, found.name))
 
 
-def parts_of_suite(suite: Suite) -> list[Part]:
+def expand_suite(suite: Suite) -> list[PlannedScenario]:
     """In the suite's order. Raises BenchError for an unknown scenario."""
     return [
         part
         for entry, scenario in scenarios_of(suite)
         for part in _at_rates(
-            Part(
+            PlannedScenario(
                 scenario,
                 entry.overrides | ({} if entry.frames is None else {"frames": entry.frames}),
                 entry.seeds or suite.seeds,
@@ -57,7 +58,7 @@ def parts_of_suite(suite: Suite) -> list[Part]:
     ]
 
 
-def _at_rates(part: Part) -> list[Part]:
+def _at_rates(part: PlannedScenario) -> list[PlannedScenario]:
     """The same time at each of the scenario's frame rates; the part itself where it has none."""
     scenario = part.scenario
     if not scenario.rates or "fps" in part.overrides:

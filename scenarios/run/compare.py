@@ -13,20 +13,16 @@ from rich.table import Table
 from rich.text import Text
 
 from pjpdaf.errors import BenchError
-from reports.gate.formats import (
-    badge_json,
-    interval,
-    junit_xml,
-    markdown,
-    number,
-    unit_of,
-    verdict_json,
-    word,
-)
-from reports.gate.gate import MetricVerdict, Verdict, compare
+from reports.gate.formats import badge_json, verdict_json
+from reports.gate.gate import compare
+from reports.gate.junit import junit_xml
+from reports.gate.markdown import markdown
+from reports.gate.text import interval_text, number, outcome_text, unit_text
+from reports.gate.verdict import MetricVerdict, Verdict
+from reports.run.load import SavedRun, load
 from reports.run.provenance import provenance
-from reports.run.results import SavedRun, load
 from reports.run.rows import EpisodeRows
+from scenarios.console.interrupts import interrupts
 from scenarios.console.progress import progress_bar
 from scenarios.run.margins import load_margins, read_margins
 from sim.files import disk_faults, written_whole_file
@@ -94,14 +90,19 @@ def _escalated(
 ) -> tuple[Verdict, str]:
     """The verdict with as many reserve seeds as it takes, or why these cannot be played here."""
     # Late: to play takes many imports that comparing does not need.
+    from scenarios.execute.local import local_executor, worker_count
     from scenarios.run.escalate import LOOKS, CannotEscalate, escalate
-    from scenarios.run.run import worker_count
 
     workers = worker_count(jobs)
     first = compare(base, new, margins, looks=LOOKS)
     if first.verdict != "inconclusive":
         return first, ""
-    with progress_bar(Console(stderr=True)) as progress:
+    with (
+        interrupts() as arrived,
+        arrived.raising(),
+        progress_bar(Console(stderr=True)) as progress,
+        local_executor(workers) as executor,
+    ):
 
         def on_round(number: int, episodes: int) -> Callable[[EpisodeRows], None]:
             task = progress.add_task(f"reserve {number + 1}", total=episodes)
@@ -109,7 +110,7 @@ def _escalated(
 
         try:
             here = provenance()
-            return escalate(base, new, margins, workers, folder, on_round, here), ""
+            return escalate(base, new, margins, executor, folder, on_round, here), ""
         except CannotEscalate as fault:
             return first, str(fault)
 
@@ -154,17 +155,17 @@ def verdict_table(verdict: Verdict) -> Table:
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
     for judged in verdict.metrics:
-        table.add_row(*_cells(judged), Text(word(judged), style=STYLES[judged.verdict]))
+        table.add_row(*_cells(judged), Text(outcome_text(judged), style=STYLES[judged.verdict]))
     return table
 
 
 def _cells(judged: MetricVerdict) -> tuple[str, ...]:
-    unit = unit_of(judged.metric)
+    unit = unit_text(judged.metric)
     return (
         judged.metric.name,
         number(judged.base) + unit,
         number(judged.new) + unit,
         number(judged.difference.mean, "+"),
-        interval(judged),
+        interval_text(judged),
         f"{judged.metric.margin:g}",
     )

@@ -12,13 +12,19 @@ from pathlib import Path
 from typing import Any
 
 from pjpdaf.errors import BenchError
-from reports.gate.gate import Verdict, compare, words_of_system
+from reports.gate.gate import compare
 from reports.gate.pairing import joined, measured
-from reports.run.results import SavedRun, tables_of
+from reports.gate.replay import system_options
+from reports.gate.verdict import Verdict
+from reports.run.load import SavedRun
 from reports.run.rows import EpisodeRows
-from scenarios.execute.episodes import Played, play_all
-from scenarios.play.play import Job, digest_of
-from scenarios.run.run import RunRequest, find_plug_ins_here, plan, record
+from reports.run.tables import tables_of
+from scenarios.execute.episodes import PlayResults, play_all
+from scenarios.execute.executor import Executor
+from scenarios.execute.isolated import allow_plug_ins_from_here
+from scenarios.play.job import Job, digest_of
+from scenarios.play.plan import PlanRequest, plan
+from scenarios.run.save_run import save_run
 
 FIRST_RESERVE_SEED = 1_000_000
 ROUNDS = (1, 2, 4)  # times the seeds that the runs have, one round after the other
@@ -39,7 +45,7 @@ def escalate(
     base: SavedRun,
     new: SavedRun,
     margins: Mapping[str, float],
-    workers: int,
+    executor: Executor,
     folder: Path,
     on_round: OnRound,
     here: Mapping[str, Any],
@@ -51,14 +57,14 @@ def escalate(
     """
     reason = refusal(base, new, here)
     if reason:
-        raise CannotEscalate(by_hand(new, reason))
-    plans = planned(base), planned(new)
-    _prove((base, new), plans, workers)
+        raise CannotEscalate(manual_command(new, reason))
+    plans = planned_jobs(base), planned_jobs(new)
+    _check_reproducible((base, new), plans, executor)
     verdict = compare(base, new, margins, looks=LOOKS)
     for number in range(len(ROUNDS)):
         if verdict.verdict != "inconclusive":
             break
-        base, new = play_round((base, new), plans, number, workers, folder, on_round)
+        base, new = play_round((base, new), plans, number, executor, folder, on_round)
         verdict = compare(base, new, margins, looks=LOOKS)
     return verdict
 
@@ -87,11 +93,11 @@ def _short(made: Mapping[str, Any]) -> str:
     return str(made["commit"] or "unknown")[:12]
 
 
-def by_hand(new: SavedRun, reason: str) -> str:
+def manual_command(new: SavedRun, reason: str) -> str:
     """The one line for runs that cannot be continued here."""
     request = new.meta.get("request")
     seeds = sum(ROUNDS) * max(len(one["seeds"]) for one in new.meta["scenarios"])
-    words = [*request["targets"], *words_of_system(new.meta)] if request else ["..."]
+    words = [*request["targets"], *system_options(new.meta)] if request else ["..."]
     return (
         f"inconclusive, and the reserve cannot be played here: {reason}; play it with each of the "
         f"two versions and compare these runs: pjpdaf-bench run {' '.join(words)} "
@@ -99,33 +105,28 @@ def by_hand(new: SavedRun, reason: str) -> str:
     )
 
 
-def request_of(run: SavedRun) -> RunRequest:
-    """What the command line of a run asked for."""
-    asked, meta = run.meta["request"], run.meta
-    return RunRequest(
-        targets=tuple(asked["targets"]),
-        seeds=asked["seeds"],
-        preset=str(meta["preset"]),
+def request_of(run: SavedRun) -> PlanRequest:
+    """The plan that a run was made from."""
+    request, meta = run.meta["request"], run.meta
+    return PlanRequest(
+        targets=tuple(request["targets"]),
+        seeds=request["seeds"],
+        first_seed=int(request["first_seed"]),
+        only=tuple(request["only"]),
+        settings=tuple(request["settings"]),
         detector=str(meta["detector"]),
         tracker=str(meta["tracker"]),
-        settings=tuple(asked["settings"]),
-        jobs=None,
-        out=None,
-        argv=(),
-        first_seed=int(asked["first_seed"]),
-        only=tuple(asked["only"]),
-        slim=True,
     )
 
 
-def planned(run: SavedRun) -> list[Job]:
+def planned_jobs(run: SavedRun) -> list[Job]:
     """The jobs of a run once more. Raises CannotEscalate where they are not those of the run."""
     request = request_of(run)
-    find_plug_ins_here(request.detector, request.tracker)
+    allow_plug_ins_from_here(request.detector, request.tracker)
     try:
         jobs = plan(request)
     except BenchError as fault:
-        raise CannotEscalate(by_hand(run, str(fault))) from fault
+        raise CannotEscalate(manual_command(run, str(fault))) from fault
     now = {(job.name, job.seed): digest_of(job) for job in jobs}
     then = {
         (one["name"], seed): digest
@@ -133,24 +134,26 @@ def planned(run: SavedRun) -> list[Job]:
         for seed, digest in zip(one["seeds"], one["digests"], strict=True)
     }
     if now != then:
-        raise CannotEscalate(by_hand(run, f"the scenarios of {run.folder} have changed"))
+        raise CannotEscalate(manual_command(run, f"the scenarios of {run.folder} have changed"))
     return jobs
 
 
-def _prove(runs: Sequence[SavedRun], plans: Sequence[Sequence[Job]], workers: int) -> None:
+def _check_reproducible(
+    runs: Sequence[SavedRun], plans: Sequence[Sequence[Job]], executor: Executor
+) -> None:
     """Play a few episodes of each run again: the same code gives the same, bit for bit.
 
     Plug-ins have no version of ours; this is what notices that one has changed.
     """
     chosen = [[jobs[k * len(jobs) // PROOFS] for k in range(PROOFS)] for jobs in plans]
     chosen = [list({(job.name, job.seed): job for job in jobs}.values()) for jobs in chosen]
-    played = _finished(play_all([job for jobs in chosen for job in jobs], workers))
+    played = _finished(play_all([job for jobs in chosen for job in jobs], executor))
     for run, jobs in zip(runs, chosen, strict=True):
         mine, played = played[: len(jobs)], played[len(jobs) :]
         for job, row in zip(jobs, mine, strict=True):
             if not same_episode(run, row):
                 what = f"{job.name} seed {job.seed} of {run.folder} comes out differently now"
-                raise CannotEscalate(by_hand(run, what))
+                raise CannotEscalate(manual_command(run, what))
 
 
 def same_episode(run: SavedRun, row: EpisodeRows) -> bool:
@@ -177,24 +180,35 @@ def play_round(
     runs: Sequence[SavedRun],
     plans: Sequence[Sequence[Job]],
     number: int,
-    workers: int,
+    executor: Executor,
     folder: Path,
     on_round: OnRound,
 ) -> tuple[SavedRun, SavedRun]:
     """Both runs with the episodes of one more round; these are saved as FOLDER/base-1, new-1."""
     jobs = [reserve_jobs(one, number) for one in plans]
     every = [job for one in jobs for job in one]
-    rows = _finished(play_all(every, workers, on_round(number, len(every))))
+    rows = _finished(play_all(every, executor, on_round(number, len(every))))
     grown = []
     for name, run, mine in zip(("base", "new"), runs, jobs, strict=True):
         part, rows = rows[: len(mine)], rows[len(mine) :]
-        played = Played(tuple(part), interrupted=False, renderer=run.meta["provenance"]["renderer"])
+        played = PlayResults(
+            tuple(part), interrupted=False, renderer=run.meta["provenance"]["renderer"]
+        )
         out = folder / f"{name}-{number + 1}"
-        grown.append(joined([run, record(request_of(run), mine, played, out, force=True)]))
+        saved = save_run(
+            request_of(run),
+            mine,
+            played,
+            out,
+            preset=str(run.meta["preset"]),
+            slim=True,
+            force=True,
+        )
+        grown.append(joined([run, saved]))
     return grown[0], grown[1]
 
 
-def _finished(played: Played) -> list[EpisodeRows]:
+def _finished(played: PlayResults) -> list[EpisodeRows]:
     if played.interrupted:
         raise KeyboardInterrupt
     return list(played.rows)

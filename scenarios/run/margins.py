@@ -9,9 +9,9 @@ from typing import Annotated
 from pydantic import Field
 
 from pjpdaf.errors import BenchError
-from reports.gate.gate import with_margins
+from reports.gate.metrics import with_margins
 from scenarios.spec.loader import parse, read_text
-from scenarios.spec.parameters import Name, Number, Record
+from scenarios.spec.parameters.record import Name, Number, Record
 
 
 class Margins(Record):

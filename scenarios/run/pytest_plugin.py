@@ -10,14 +10,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import pytest
 
 if TYPE_CHECKING:
-    from reports.gate.gate import Verdict
-    from reports.run.results import SavedRun
+    from reports.gate.verdict import Verdict
+    from reports.run.load import SavedRun
     from reports.summary.tables import Summary, SummaryRow
+    from scenarios.play.plan import PlanRequest
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,23 +118,21 @@ def pjpdaf_run(request: pytest.FixtureRequest, tmp_path: Path) -> PlayRun:
         settings: Mapping[str, object] | None = None,
     ) -> BenchRun:
         from pjpdaf.errors import BenchError
-        from scenarios.run.run import RunRequest
+        from scenarios.play.plan import PlanRequest
 
         number = len(played) + 1
         name = stem if number == 1 else f"{stem}-{number}"
-        asked = RunRequest(
+        wanted = PlanRequest(
             targets=targets,
             seeds=seeds,
-            preset="thesis",
             detector=detector,
             tracker=tracker,
             settings=tuple(f"{key}={value}" for key, value in (settings or {}).items()),
-            jobs=request.config.getoption("--pjpdaf-jobs"),
-            out=tmp_path / "pjpdaf" / name,
-            argv=(),
+            keep_pictures=True,
         )
+        jobs = request.config.getoption("--pjpdaf-jobs")
         try:
-            run = BenchRun(name, _played(asked))
+            run = BenchRun(name, _play_and_save(wanted, jobs, tmp_path / "pjpdaf" / name))
         except BenchError as fault:
             pytest.fail(str(fault), pytrace=False)
         played.append(run)
@@ -142,25 +141,23 @@ def pjpdaf_run(request: pytest.FixtureRequest, tmp_path: Path) -> PlayRun:
     return play
 
 
-def _played(request: Any) -> SavedRun:
-    """Play and save a `scenarios.run.run.RunRequest`. Raises BenchError."""
-    from pjpdaf.errors import InfrastructureError
+def _play_and_save(request: PlanRequest, jobs: int | None, folder: Path) -> SavedRun:
+    """Play a plan on `jobs` workers and save it. Raises BenchError, also for a failed episode."""
     from scenarios.execute.episodes import play_all
-    from scenarios.run.run import find_plug_ins_here, plan, record, worker_count
+    from scenarios.execute.isolated import allow_plug_ins_from_here
+    from scenarios.execute.local import local_executor, worker_count
+    from scenarios.play.plan import plan
+    from scenarios.run.run import refuse_failures
+    from scenarios.run.save_run import save_run
 
-    find_plug_ins_here(request.detector, request.tracker)
-    jobs = plan(request)
-    played = play_all(jobs, worker_count(request.jobs))
+    allow_plug_ins_from_here(request.detector, request.tracker)
+    planned = plan(request)
+    with local_executor(worker_count(jobs)) as executor:
+        played = play_all(planned, executor)
     if played.interrupted:
         raise KeyboardInterrupt
-    failed = [row for row in played.rows if row.failure]
-    if failed:
-        first = failed[0]
-        raise InfrastructureError(
-            f"{len(failed)} of {len(jobs)} episodes gave no result, the first: "
-            f"{first.scenario} seed {first.seed}: {first.failure}"
-        )
-    return record(request, jobs, played, request.out)
+    refuse_failures(played)
+    return save_run(request, planned, played, folder)
 
 
 @pytest.fixture
@@ -175,9 +172,10 @@ def assert_no_regression(request: pytest.FixtureRequest) -> Check:
 
     def check(run: BenchRun, margins: Mapping[str, float] | None = None) -> Verdict:
         from pjpdaf.errors import BenchError
-        from reports.gate.formats import markdown
         from reports.gate.gate import compare
-        from reports.run.results import load, save_slim
+        from reports.gate.markdown import markdown
+        from reports.run.load import load
+        from reports.run.save import save_slim
 
         if folder is None:
             pytest.fail("assert_no_regression needs --pjpdaf-baseline DIR", pytrace=False)

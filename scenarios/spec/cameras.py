@@ -1,4 +1,4 @@
-"""Rig, sensor, clock and calibration: their parameters, and the records that values give."""
+"""Parameters of rig, sensor, clock and calibration, and the records that their values make."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ import math
 from collections.abc import Mapping
 
 from pjpdaf.errors import BenchError
-from scenarios.spec.parameters import Choice, Numeric, choice, fixed, normal, uniform
+from scenarios.spec.parameters.choice import Choice
+from scenarios.spec.parameters.numeric import Numeric
+from scenarios.spec.parameters.parameter import choice, fixed, normal, uniform
 from sim.camera.colour import NEUTRAL_K, balance_rgb
 from sim.lens import check
 from sim.motion.stage import Values, number
@@ -53,7 +55,7 @@ PARAMETERS: Mapping[str, Numeric | Choice] = {
 
 
 def rig_of(values: Values) -> RigSpec:
-    """The two cameras that film. Raises BenchError for a lens that shows some points twice."""
+    """The stereo rig. Raises BenchError for a lens that shows some points twice."""
     distortion = number(values, "lens_k1"), number(values, "lens_k2"), 0.0, 0.0
     rig = RigSpec(
         focal_px=number(values, "focal"),
@@ -75,7 +77,7 @@ def rig_of(values: Values) -> RigSpec:
 
 
 def sensor_of(values: Values) -> SensorSpec:
-    """What the cameras do to their pictures."""
+    """The sensor: exposure, noise, colour, compression of the pictures."""
     return SensorSpec(
         exposure_time_s=number(values, "exposure_time"),
         skew_s=number(values, "shutter_skew"),
@@ -91,7 +93,7 @@ def sensor_of(values: Values) -> SensorSpec:
 
 
 def clock_of(values: Values) -> ClockSpec:
-    """When pictures are taken, and which arrive."""
+    """The times at which pictures are taken, and the share that is lost."""
     return ClockSpec(
         jitter_s=number(values, "jitter"),
         stamps=str(values["stamps"]),
@@ -100,7 +102,7 @@ def clock_of(values: Values) -> ClockSpec:
 
 
 def calibration_error_of(values: Values) -> CalibrationError:
-    """How the calibration that the tracker is given is wrong."""
+    """The error of the calibration that the tracker is given."""
     x, y, z = (number(values, f"calibration_rot_{axis}") for axis in "xyz")
     return CalibrationError(
         baseline=number(values, "calibration_baseline"),

@@ -1,4 +1,4 @@
-"""A scenario and a seed become values, and these a performance."""
+"""Draws the values of a scenario for a seed, and makes a performance of them."""
 
 from __future__ import annotations
 
@@ -10,10 +10,13 @@ import numpy as np
 from pjpdaf.errors import BenchError
 from scenarios.spec import cameras, person_and_room
 from scenarios.spec.names import load_scenario
-from scenarios.spec.parameters import UNITS, FileText, Numeric, nearest
+from scenarios.spec.parameters.file import FileText
+from scenarios.spec.parameters.numeric import Numeric
+from scenarios.spec.parameters.units import UNITS
 from scenarios.spec.scenario import MAX_FRAMES, Scenario
+from scenarios.spec.suggestion import did_you_mean
 from sim.contact.contact import Unposable
-from sim.families.registry import GESTURES
+from sim.families.registry import FAMILIES
 from sim.motion.measure import fault_of
 from sim.motion.motion import Performer
 from sim.motion.opening import with_opening
@@ -23,8 +26,8 @@ from sim.scene.extras import NO_EXTRAS, Extras, WithExtras
 from sim.script import Performance
 from sim.specs import SceneSpec
 
-MAX_DRAWS = 20  # of a seed
-JUDGED_HZ, MOST_JUDGED = 6.0, 400  # poses of a draw
+MAX_DRAWS = 20  # of a seed, until a person can perform the motion
+JUDGED_HZ, MOST_JUDGED = 6.0, 400  # rate and number of the poses by which a draw is judged
 
 SETTINGS = ("frames", "fps", "background_frames")  # fields that `--set` may change as well
 
@@ -32,37 +35,39 @@ SETTINGS = ("frames", "fps", "background_frames")  # fields that `--set` may cha
 def concrete(
     scenario: Scenario, seed: int, overrides: Mapping[str, Value] | None = None, redraw: int = 0
 ) -> dict[str, Value]:
-    """The values of all parameters for a seed, each in its parameter's unit.
+    """Draw the values of all parameters for a seed, each in its parameter's unit.
 
-    Each draw is addressed by (seed, family, parameter): changing one moves no other, and twins of a
-    family share those of the same name. redraw: the draw after this many that were thrown away.
-    overrides: parameter -> number, text such as "0.3 m/s", or a file's name; raises BenchError with
-    unit and range for one that does not fit.
+    Each draw is addressed by (seed, stream, parameter): changing one parameter moves no other draw,
+    and twins, which share a stream, share the values of the same name. redraw: the number of draws
+    that were thrown away before. overrides: parameter -> number, text such as "0.3 m/s", or a
+    file's name. Raises BenchError with unit and range for an override that does not fit.
     """
     overrides = dict(overrides or {})
     known = (*scenario.parameters, *SETTINGS)
     for name in overrides:
         if name not in known:
             listed = ", ".join(sorted(known))
-            what = f"{name[:60]!r}{nearest(name, known) or ';'}"
-            raise BenchError(f"{scenario.name} has no parameter {what} known: {listed}")
+            hint = did_you_mean(name, known) or ";"
+            raise BenchError(
+                f"{scenario.name} has no parameter {name[:60]!r}{hint} known: {listed}"
+            )
     values: dict[str, Value] = {}
     for name, parameter in scenario.parameters.items():
         if name in overrides:
             values[name] = parameter.check(name, overrides[name])
         else:
-            share = float(_stream(scenario, seed, redraw, name).random())
-            values[name] = parameter.at(share)
+            share = float(_generator(scenario, seed, redraw, name).random())
+            values[name] = parameter.quantile(share)
     return values
 
 
-def _stream(scenario: Scenario, seed: int, redraw: int, name: str) -> np.random.Generator:
+def _generator(scenario: Scenario, seed: int, redraw: int, name: str) -> np.random.Generator:
     again = f"redraw{redraw}/" if redraw else ""
-    return generator(seed, f"{scenario.family}/{again}{name}")
+    return generator(seed, f"{scenario.stream}/{again}{name}")
 
 
 def setting_of(scenario: Scenario, overrides: Mapping[str, Value], name: str) -> float:
-    """A value of `SETTINGS`, the scenario's own unless it is set. Raises BenchError."""
+    """The value of a field of `SETTINGS`: its override, else the scenario's. Raises BenchError."""
     if name not in overrides:
         return float(getattr(scenario, name))
     least, most = {"fps": (1, 30), "frames": (1, MAX_FRAMES), "background_frames": (0, 500)}[name]
@@ -82,8 +87,8 @@ def setting_of(scenario: Scenario, overrides: Mapping[str, Value], name: str) ->
 
 
 def scene_of(scenario: Scenario, values: Values, extras: Extras = NO_EXTRAS) -> SceneSpec:
-    """The scene of concrete values in SI units."""
-    objects = GESTURES[scenario.motion.kind].objects(values)
+    """Build the scene of concrete values in SI units."""
+    objects = FAMILIES[scenario.motion.kind].objects(values)
     return SceneSpec(
         anatomy=person_and_room.anatomy_of(values),
         appearance=person_and_room.appearance_of(values),
@@ -96,9 +101,9 @@ def scene_of(scenario: Scenario, values: Values, extras: Extras = NO_EXTRAS) -> 
 
 
 def in_si(scenario: Scenario, values: Mapping[str, Value]) -> dict[str, Value]:
-    """The same values with every number in the base unit of its kind (m, m/s, s, rad, ...).
+    """Convert every number to the base unit of its kind (m, m/s, s, rad, ...).
 
-    A file becomes its absolute path. Raises BenchError where it is not what it was any more.
+    A file becomes its absolute path. Raises BenchError where its content has changed since.
     """
     converted: dict[str, Value] = {}
     for name, value in values.items():
@@ -115,11 +120,11 @@ def in_si(scenario: Scenario, values: Mapping[str, Value]) -> dict[str, Value]:
 def perform(
     scenario: Scenario, seed: int, overrides: Mapping[str, Value] | None = None
 ) -> Performance:
-    """The concrete sequence of a seed.
+    """Make the concrete sequence of a seed.
 
-    A draw that a person could not make (`sim.motion.measure.fault_of`), or whose twin could not be,
-    is thrown away and drawn again: `Performance.redrawn` counts these. Raises BenchError for what
-    cannot be played, Unposable after MAX_DRAWS.
+    A draw that a person could not perform (`sim.motion.measure.fault_of`), or whose twin's draw
+    could not be performed, is thrown away and drawn again: `Performance.redrawn` counts these.
+    Raises BenchError for values that cannot be played, Unposable after MAX_DRAWS.
     """
     if seed < 0:
         raise BenchError(f"seed must be 0 or more, got {seed}")
@@ -127,11 +132,11 @@ def perform(
     fault: str | None = None
     for redraw in range(MAX_DRAWS):
         try:
-            performance = _drawn(scenario, seed, overrides, redraw)
+            performance = _perform_draw(scenario, seed, overrides, redraw)
             for name in scenario.twins:
                 twin = load_scenario(name)
                 shared = {k: v for k, v in overrides.items() if k in (*twin.parameters, *SETTINGS)}
-                _drawn(twin, seed, shared, redraw)
+                _perform_draw(twin, seed, shared, redraw)
         except Unposable as reason:
             fault = fault or str(reason)
         else:
@@ -141,22 +146,22 @@ def perform(
     )
 
 
-def _drawn(
+def _perform_draw(
     scenario: Scenario, seed: int, overrides: Mapping[str, Value], redraw: int
 ) -> Performance:
-    """One draw as it is. Raises Unposable where a person could not make it."""
+    """Make the performance of a draw. Raises Unposable where a person could not perform it."""
     values = in_si(scenario, concrete(scenario, seed, overrides, redraw))
     fps = setting_of(scenario, overrides, "fps")
     frames = int(setting_of(scenario, overrides, "frames"))
 
     def streams(name: str) -> np.random.Generator:
-        return _stream(scenario, seed, redraw, f"motion/{name}")
+        return _generator(scenario, seed, redraw, f"motion/{name}")
 
     duration_s = max(frames / fps, 1.0)
     extras = person_and_room.extras_of(values, streams, duration_s)
     scene = scene_of(scenario, values, extras)
     stage = Stage(scene=scene, values=values, streams=streams, duration_s=duration_s)
-    plan = GESTURES[scenario.motion.kind].plan(stage)
+    plan = FAMILIES[scenario.motion.kind].plan(stage)
     performer = Performer(scene, with_opening(stage, plan, str(values["start"])))
     # The draw is judged here, not in the middle of a sequence, and alike at any frame rate.
     moments = min(MOST_JUDGED, math.ceil(JUDGED_HZ * duration_s) + 1)

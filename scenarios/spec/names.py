@@ -1,4 +1,4 @@
-"""The shipped scenarios and suites: what there is, and finding one by name or by file."""
+"""The shipped scenarios and suites: their names, and loading by name or by file."""
 
 from __future__ import annotations
 
@@ -9,19 +9,20 @@ from pathlib import Path
 
 from pjpdaf.errors import BenchError
 from scenarios.spec.loader import load_either_file, load_scenario_file, load_suite_file, parse
-from scenarios.spec.parameters import nearest
-from scenarios.spec.scenario import Entry, Scenario, Suite
+from scenarios.spec.scenario import Scenario
+from scenarios.spec.suggestion import did_you_mean
+from scenarios.spec.suite import Suite, SuiteEntry
 
 _SUFFIXES = (".yaml", ".yml")
 
 
 class UnknownName(BenchError):
-    """No shipped thing of this name."""
+    """No shipped scenario or suite has this name. kind: "scenario", "suite", or both."""
 
-    def __init__(self, what: str, name: str, known: Collection[str]) -> None:
+    def __init__(self, kind: str, name: str, known: Collection[str]) -> None:
         listed = ", ".join(sorted(known))
-        hint = nearest(name, known) or ";"
-        super().__init__(f"no {what} {name[:200]!r}{hint} known: {listed}; or give a .yaml file")
+        hint = did_you_mean(name, known) or ";"
+        super().__init__(f"no {kind} {name[:200]!r}{hint} known: {listed}; or give a .yaml file")
 
 
 def _names(folder: str) -> tuple[str, ...]:
@@ -52,12 +53,12 @@ def _shipped_suite(name: str) -> Suite:
 
 
 def is_path(name: str) -> bool:
-    """Whether a name given by the user means a file."""
+    """Whether a name given by the user is that of a file."""
     return name.endswith(_SUFFIXES) or "/" in name or "\\" in name
 
 
 def load_scenario(name: str) -> Scenario:
-    """A scenario by name, or of a YAML file. Raises BenchError."""
+    """Load a scenario by name, or from a YAML file. Raises BenchError."""
     if is_path(name):
         return load_scenario_file(Path(name))
     if name not in scenario_names():
@@ -66,7 +67,7 @@ def load_scenario(name: str) -> Scenario:
 
 
 def load_suite(name: str) -> Suite:
-    """A suite by name, or of a YAML file. Raises BenchError."""
+    """Load a suite by name, or from a YAML file. Raises BenchError."""
     if is_path(name):
         return load_suite_file(Path(name))
     if name not in suite_names():
@@ -75,7 +76,7 @@ def load_suite(name: str) -> Suite:
 
 
 def resolve(name: str) -> Scenario | Suite:
-    """What a word of the command line means: a scenario, a suite, or a file of either."""
+    """Load a scenario or a suite by name, or from a file of either. Raises BenchError."""
     if is_path(name):
         return load_either_file(Path(name))
     if name in scenario_names():
@@ -85,6 +86,6 @@ def resolve(name: str) -> Scenario | Suite:
     raise UnknownName("scenario or suite", name, (*scenario_names(), *suite_names()))
 
 
-def scenarios_of(suite: Suite) -> tuple[tuple[Entry, Scenario], ...]:
-    """A suite's entries with their scenarios, in order. Raises BenchError for an unknown one."""
+def scenarios_of(suite: Suite) -> tuple[tuple[SuiteEntry, Scenario], ...]:
+    """A suite's entries with their scenarios, in order. Raises BenchError for an unknown name."""
     return tuple((entry, load_scenario(entry.scenario)) for entry in suite.scenarios)

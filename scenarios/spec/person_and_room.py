@@ -1,4 +1,4 @@
-"""Person, habits and room: their parameters, and what values of them look like."""
+"""Parameters of person, habits and room, and the records of `sim` that their values make."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from scenarios.spec.parameters import Choice, Numeric, choice, fixed, normal, uniform
+from scenarios.spec.parameters.choice import Choice
+from scenarios.spec.parameters.numeric import Numeric
+from scenarios.spec.parameters.parameter import choice, fixed, normal, uniform
 from sim.anatomy import Anatomy
 from sim.camera.colour import NEUTRAL_K, light_rgb
 from sim.motion.stage import Values, number
@@ -88,7 +90,7 @@ def anatomy_of(values: Values) -> Anatomy:
 
 
 def appearance_of(values: Values) -> Appearance:
-    """How the person looks."""
+    """The person's looks: skin, hair, clothes."""
     return Appearance(
         skin_rgb=skin_rgb(number(values, "skin_ita")),
         hair_rgb=hair_rgb(number(values, "hair_tone")),
@@ -120,7 +122,10 @@ def room_of(values: Values, objects: tuple[ObjectSpec, ...]) -> RoomSpec:
 def extras_of(
     values: Values, streams: Callable[[str], np.random.Generator], duration_s: float
 ) -> Extras:
-    """What disturbs the scene, for this long, without belonging to the scenario."""
+    """Disturbances that do not belong to the scenario's motion: shadow, mover, changed background.
+
+    duration_s: how long they go on.
+    """
     skin = skin_rgb(number(values, "skin_ita"))
     height, near = number(values, "table_height"), number(values, "table_near")
     azimuth = number(values, "light_azimuth")
@@ -134,18 +139,18 @@ def extras_of(
     )
 
 
-def _colour(values: Values, thing: str) -> RGB:
-    """The colour of a thing by its hue, saturation and value, or that of NEAR_SKIN."""
-    if values["near_skin"] in (thing, "all"):
-        return NEAR_SKIN[thing]
-    hue = (number(values, f"{thing}_hue") / (2 * math.pi)) % 1.0
+def _colour(values: Values, surface: str) -> RGB:
+    """The colour of "wall", "table" or "shirt": by hue, saturation and value, or of NEAR_SKIN."""
+    if values["near_skin"] in (surface, "all"):
+        return NEAR_SKIN[surface]
+    hue = (number(values, f"{surface}_hue") / (2 * math.pi)) % 1.0
     return colorsys.hsv_to_rgb(
-        hue, number(values, f"{thing}_saturation"), number(values, f"{thing}_value")
+        hue, number(values, f"{surface}_saturation"), number(values, f"{surface}_value")
     )
 
 
 def hair_rgb(tone: float) -> RGB:
-    """Hair from black over brown and blond to grey, 0-1: all of it greyer than skin is."""
+    """Hair colour of a tone 0-1, black over brown and blond to grey: always greyer than skin."""
     tones = [0.0, 0.35, 0.60, 0.85, 1.0]
     red, green, blue = (
         float(np.interp(tone, tones, shades))
@@ -159,7 +164,7 @@ def hair_rgb(tone: float) -> RGB:
 
 
 def skin_rgb(ita_rad: float) -> RGB:
-    """A skin colour (display red, green, blue 0-1) of this individual typology angle.
+    """Skin colour (display red, green, blue 0-1) of an individual typology angle [rad].
 
     ITA = atan((L* - 50) / b*) (Chardon et al. 1991); a* and b* follow the usual spread: both
     least in very light and very dark skin.

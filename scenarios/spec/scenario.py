@@ -8,39 +8,18 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
 from typing import Annotated, Self
 
-from pydantic import (
-    BaseModel,
-    Field,
-    Strict,
-    ValidationInfo,
-    field_serializer,
-    field_validator,
-    model_validator,
-)
-from pydantic_core import PydanticCustomError
+from pydantic import BaseModel, Field, field_validator, model_validator
 
-from scenarios.spec.parameters import (
-    UNITS,
-    File,
-    FileText,
-    Name,
-    Number,
-    Numeric,
-    Parameter,
-    Record,
-    Text,
-    Whole,
-    fault_at,
-    found_file,
-    nearest,
-)
+from scenarios.spec.parameters.file import File
+from scenarios.spec.parameters.numeric import Numeric
+from scenarios.spec.parameters.parameter import Parameter
+from scenarios.spec.parameters.record import Name, Number, Record, Text, Whole, fault_at
+from scenarios.spec.parameters.units import UNITS
 from scenarios.spec.standard import STANDARD
-from sim.clips.clip_files import SUFFIXES
-from sim.families.registry import GESTURES
-from sim.motion.stage import Value
+from scenarios.spec.suggestion import did_you_mean
+from sim.families.registry import FAMILIES
 
 MAX_FRAMES = 20_000
 
@@ -48,24 +27,23 @@ MAX_FRAMES = 20_000
 class Motion(Record):
     """Which family of motion plays the parameters."""
 
-    kind: Annotated[Name, Field(json_schema_extra={"enum": list(GESTURES)})]
+    kind: Annotated[Name, Field(json_schema_extra={"enum": list(FAMILIES)})]
 
     @field_validator("kind")
     @classmethod
     def _known(cls, kind: str) -> str:
-        if kind not in GESTURES:
-            known, hint = ", ".join(GESTURES), nearest(kind, GESTURES)
-            fault = f"must be one of {known}, got {kind!r}{hint}"
-            raise PydanticCustomError("kind", "{fault}", {"fault": fault})
+        if kind not in FAMILIES:
+            known, hint = ", ".join(FAMILIES), did_you_mean(kind, FAMILIES)
+            raise fault_at(f"must be one of {known}, got {kind!r}{hint}")
         return kind
 
 
 class Scenario(Record):
     """A logical scenario.
 
-    family: names its random streams; twins share one, and their draws. twins: scenarios that are
-    drawn again together with this one. rates: it is played once at each of these frame rates, the
-    same motion for the same time.
+    family: the name of the random streams that draw its values (`stream` in Python); twins share
+    it, and so their draws. twins: scenarios that are drawn again together with this one. rates: it
+    is played once at each of these frame rates, the same motion for the same time.
     """
 
     name: Name
@@ -73,7 +51,7 @@ class Scenario(Record):
     group: Name
     summary: Text
     thesis: Text | None = None
-    family: Name
+    stream: Annotated[Name, Field(alias="family")]
     fps: Annotated[Number, Field(ge=1, le=30)] = 3.0
     frames: Annotated[Whole, Field(ge=1, le=MAX_FRAMES)]
     rates: tuple[Annotated[Number, Field(ge=1, le=30)], ...] = ()
@@ -85,10 +63,10 @@ class Scenario(Record):
     @model_validator(mode="after")
     def _complete(self) -> Self:
         """The standard parameters are added; a family's own must be there, and no others."""
-        own = GESTURES[self.motion.kind].parameters
+        own = FAMILIES[self.motion.kind].parameters
         for name in self.parameters:
             if name not in own and name not in STANDARD:
-                hint = nearest(name, (*own, *STANDARD))
+                hint = did_you_mean(name, (*own, *STANDARD))
                 raise fault_at(
                     f"{self.motion.kind} has no such parameter{hint}", f"parameters.{name}"
                 )
@@ -108,63 +86,10 @@ class Scenario(Record):
 
 
 def canonical(record: BaseModel) -> str:
-    """The one JSON text of a record: sorted keys, no spaces."""
+    """The unique JSON text of a record: sorted keys, no spaces."""
     return json.dumps(record.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
-
-
-def contents(values: Mapping[str, Value]) -> dict[str, Value]:
-    """The same values with, for each file, its content instead of its name."""
-    return {
-        name: f"sha256:{value.sha256}" if isinstance(value, FileText) else value
-        for name, value in values.items()
-    }
 
 
 def digest(scenario: Scenario) -> str:
     """SHA-256 of the canonical JSON of a scenario, hexadecimal; of a file, its content counts."""
     return hashlib.sha256(canonical(scenario).encode()).hexdigest()
-
-
-class Entry(Record):
-    """One line of a suite: a scenario, what to change of it, and its name in the results.
-
-    A text of overrides that ends as a clip does (no unit and no choice does) is a file, below the
-    suite's folder.
-    """
-
-    scenario: Text
-    label: Annotated[str, Strict(), Field(pattern=r"^[a-z][a-z0-9_.@+-]*$", max_length=60)] = ""
-    frames: Annotated[Whole, Field(ge=1, le=MAX_FRAMES)] | None = None
-    seeds: Annotated[Whole, Field(ge=1, le=100_000)] | None = None
-    overrides: dict[Name, Annotated[float, Strict()] | Text] = Field(default_factory=dict)
-
-    @field_validator("overrides")
-    @classmethod
-    def _found(
-        cls, overrides: dict[str, float | str], info: ValidationInfo
-    ) -> dict[str, float | str]:
-        found = dict(overrides)
-        for name, value in overrides.items():
-            if isinstance(value, str) and value.lower().endswith(SUFFIXES):
-                found[name] = found_file(value, info, at=name)
-        return found
-
-    @field_serializer("overrides", when_used="json")
-    def _contents(self, overrides: dict[str, float | str]) -> dict[str, float | str]:
-        return contents(overrides)
-
-
-class Suite(Record):
-    """An ordered list of scenarios. `seeds`: how many each plays unless its entry says."""
-
-    name: Name
-    version: Annotated[Whole, Field(ge=1)] = 1
-    summary: Text
-    seeds: Annotated[Whole, Field(ge=1, le=100_000)] = 1
-    scenarios: Annotated[tuple[Entry, ...], Field(min_length=1)]
-
-
-def suite_digest(suite: Suite, scenarios: Mapping[str, Scenario]) -> str:
-    """SHA-256 of a suite and of the scenarios (by name) that it lists, hexadecimal."""
-    parts = [canonical(suite), *(digest(scenarios[e.scenario]) for e in suite.scenarios)]
-    return hashlib.sha256("\n".join(parts).encode()).hexdigest()

@@ -1,4 +1,4 @@
-"""When pictures are taken, what time they say, and which of them arrive."""
+"""Times at which pictures are taken, their time stamps, and the pictures that arrive."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ MOST_OF_PERIOD = 0.45  # jitter stays below half the time between frames, so tha
 
 @dataclass(frozen=True)
 class Moment:
-    """A frame's time. time_s: when it is taken; stamp_s: what it says; arrived: per view [s]."""
+    """Times of a frame. time_s: when it is taken; stamp_s: the time that it carries [s];
+    arrived: per view, whether its picture does.
+    """
 
     time_s: float
     stamp_s: float
@@ -20,11 +22,11 @@ class Moment:
 
 
 def moment(clock: ClockSpec, fps: float, seed: int, index: int, views: tuple[str, ...]) -> Moment:
-    """The time of a frame: index / fps with jitter, one for all views, never before 0.
+    """The times of a frame: index / fps with jitter, the same for all views, never before 0.
 
     The jitter is uniform within jitter_s, or within MOST_OF_PERIOD of the time between frames where
-    that is less. All draws are addressed by (seed, frame), losses by the view as well: one frame
-    can be had without the others, and one view is lost without the other.
+    that is less. All draws are addressed by (seed, frame), losses by the view as well: a frame
+    can be drawn without the others, and a view is lost without the other.
     """
     nominal_s = index / fps
     reach_s = min(clock.jitter_s, MOST_OF_PERIOD / fps)

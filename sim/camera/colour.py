@@ -1,4 +1,4 @@
-"""Colours of light, and what a picture's values say of light."""
+"""Colours of light, and the light of a picture's values."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ XYZ_TO_RGB = np.array(  # to linear sRGB, IEC 61966-2-1
 
 
 def light_rgb(temperature_K: float) -> RGB:
-    """What a black body's light does to a picture's values: a factor of red, green and blue.
+    """Factors of a picture's red, green and blue values under a black body's light.
 
-    Relative to 6500 K and as bright (equal luminance): for the colour of the renderer's lights.
+    Relative to 6500 K at equal luminance: for the colour of the renderer's lights.
     Raises ValueError outside 2000 to 25000 K: redder light has no blue that a picture can show.
     """
     red, green, blue = (float(c) for c in linear_light(temperature_K) ** (1 / GAMMA))
@@ -37,7 +37,7 @@ def balance_rgb(temperature_K: float) -> RGB:
 
 
 def linear_light(temperature_K: float) -> Floats:
-    """Linear red, green, blue (3,) of a black body over those of one of 6500 K as bright."""
+    """Linear red, green, blue (3,) of a black body relative to 6500 K, equally bright."""
     if not 2000 <= temperature_K <= 25_000:  # NaN fails as well
         raise ValueError(f"temperature_K must be from 2000 to 25000, got {temperature_K:g}")
     ours, neutral = (XYZ_TO_RGB @ black_body_xyz(T) for T in (temperature_K, NEUTRAL_K))

@@ -1,4 +1,4 @@
-"""When the shutters of both cameras are open, and at which moments the scene is drawn for it."""
+"""The moments at which the scene is drawn to expose a picture."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pjpdaf.camera import Camera, project
 from sim.pose import Pose
 from sim.script import Script
 
-SUBFRAME_PX = 2.0  # farthest that anything moves from one sub-frame to the next
+SUBFRAME_PX = 2.0  # largest motion from one sub-frame to the next
 MOST_SUBFRAMES = 15  # odd; each costs as much as a picture
 FINGERTIPS_M = 0.1  # ahead of the palm's centre
 HEAD_M = 0.1  # from the head's centre to its face
@@ -23,9 +23,9 @@ def subframes(
 ) -> tuple[float, ...]:
     """The moments [s] whose mean light is the picture exposed around time_s, in order.
 
-    An odd number, evenly spaced over the exposure, so that the middle one is time_s; so many that
-    heads, hands and objects move SUBFRAME_PX at most from one to the next, up to MOST_SUBFRAMES.
-    One where nothing moves. None is before 0: there, the scene stands still.
+    An odd number, evenly spaced over the exposure, with time_s in the middle: enough for heads,
+    hands and objects to move SUBFRAME_PX at most from sub-frame to sub-frame, up to MOST_SUBFRAMES;
+    a single one where nothing moves. No moment is before 0: there, the scene stands still.
     """
     if exposure_s == 0:
         return (time_s,)
@@ -44,7 +44,7 @@ def subframes(
 
 
 def marks_of(pose: Pose) -> Floats:
-    """Points (n, 3) [m] that move as fast as anything: palms, finger tips, face, objects."""
+    """The fastest points (n, 3) [m] of a pose: palms, finger tips, face, objects."""
     parts = [(pose.head, HEAD_M), *((hand, FINGERTIPS_M) for hand in pose.hands)]
     ahead = [part.position_m + reach * part.rotation[:, 0] for part, reach in parts]
     return np.array(

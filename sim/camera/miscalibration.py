@@ -15,9 +15,9 @@ from sim.specs import CalibrationError
 def miscalibrated(rig: StereoRig, error: CalibrationError) -> StereoRig:
     """The rig as this faulty calibration has it.
 
-    The left camera keeps its place and direction. The right one stands further away along the line
-    between the two by the share `baseline`, and is turned about its own axes; both focal lengths
-    are longer by the share `focal`. Lenses and principal points are right.
+    The left camera keeps its place and direction. The right camera stands further away along the
+    line between the two by the share `baseline`, and is turned about its own axes; both focal
+    lengths are longer by the share `focal`. Lenses and principal points are right.
     """
     if error == CalibrationError():
         return rig

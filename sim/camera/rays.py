@@ -1,4 +1,4 @@
-"""Rays cast into a scene: what a pixel shows, found without drawing."""
+"""Rays cast into a scene: geom and depth at a pixel, without drawing."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ GROUPS = 6  # of geoms, in MuJoCo
 def cast(
     world: World, camera: Camera, pixels: Floats, groups: Iterable[int] = range(GROUPS)
 ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-    """Geom ids (n,), -1 for nothing, and planar depths (n,) [m], NaN for nothing, at some pixels.
+    """Geom ids (n,), -1 for nothing, and planar depths (n,) [m], NaN for nothing, at n pixels.
 
-    pixels (n, 2): of the camera's real picture, anywhere in a pixel; groups: of the geoms that are
-    there. Of MuJoCo's `mj_multiRay`, which knows no raster: shapes and meshes are met exactly.
+    pixels (n, 2): of the camera's real picture, anywhere in a pixel; groups: of the geoms that rays
+    can hit. By MuJoCo's `mj_multiRay`, which has no raster: shapes and meshes are hit exactly.
     """
     mujoco = load_mujoco()
     ideal = undistort_points(camera, pixels)

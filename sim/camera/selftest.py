@@ -53,7 +53,7 @@ def offsets_px(rig: StereoRig) -> Floats:
     sphere = mujoco.mjtGeom.mjGEOM_SPHERE
     spec.worldbody.add_geom(type=sphere, size=[RADIUS_M, 0, 0], pos=CENTRE_W.tolist())
     world = compiled(spec, rig)
-    found = []
+    offsets = []
     with StereoRenderer(world) as renderer:
         for camera, view in zip(
             rig.cameras, renderer.render(colour=False, amodal=False), strict=True
@@ -62,8 +62,8 @@ def offsets_px(rig: StereoRig) -> Floats:
             ys, xs = np.nonzero(view.geoms == 0)
             expected = ellipse_centre(camera, CENTRE_W, RADIUS_M)
             centre = np.array([xs.mean(), ys.mean()]) if len(xs) else np.full(2, np.nan)
-            found.append(centre - expected)
-    return np.array(found)
+            offsets.append(centre - expected)
+    return np.array(offsets)
 
 
 def check() -> None:

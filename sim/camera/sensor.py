@@ -1,8 +1,8 @@
-"""What a real camera does to a rendered picture.
+"""The sensor of a real camera, applied to a rendered picture.
 
 In a camera's order: the mean light of the exposure; gains of the light (exposure, white balance,
 flicker); noise of the light and of reading out; 8 bits; JPEG. A picture's values v are light
-(v / 255) ** GAMMA. What the renderer has clipped to white stays white at any exposure.
+(v / 255) ** GAMMA. Values that the renderer has clipped to white stay white at any exposure.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from pjpdaf.arrays import Floats
+from pjpdaf.arrays import Floats, Image
 from sim.camera.colour import GAMMA
 from sim.randomness import generator
 from sim.specs import RGB, SensorSpec
@@ -26,13 +26,11 @@ NO_JPEG = 100
 MIDDLE_GREY = 128.0  # the value at which shot noise has its nominal spread
 LIGHT_UNITS = 2**20 - 1  # white, in the whole numbers in which light is added up
 
-Picture = NDArray[np.uint8]
-
 
 def expose(
-    picture: Picture, spec: SensorSpec, seed: int, stream: str, frame: int, time_s: float = 0.0
-) -> Picture:
-    """A picture (h, w, 3) uint8 BGR as a camera gives it.
+    picture: Image, spec: SensorSpec, seed: int, stream: str, frame: int, time_s: float = 0.0
+) -> Image:
+    """A rendered picture (h, w, 3) uint8 BGR as a camera outputs it.
 
     time_s: the middle of its exposure, for the flicker. The noise is addressed by (seed, stream,
     frame): it does not depend on any other picture.
@@ -50,8 +48,8 @@ def expose(
     return picture if spec.jpeg_quality == NO_JPEG else compressed(picture, spec.jpeg_quality)
 
 
-def mean_light(pictures: Sequence[Picture]) -> Picture:
-    """The picture of the mean light of some pictures of one size: motion blur."""
+def mean_light(pictures: Sequence[Image]) -> Image:
+    """Motion blur: the picture of the mean light of pictures of the same size."""
     if len(pictures) == 1:
         return pictures[0]
     light_of_grey, grey_of_light = light_tables()
@@ -75,16 +73,16 @@ def light_gains(spec: SensorSpec, time_s: float) -> RGB:
     return red, green, blue
 
 
-def gain_table(gains: tuple[float, float, float]) -> Picture:
+def gain_table(gains: tuple[float, float, float]) -> Image:
     """The value after these gains of the light of each value before, (1, 256, 3) uint8.
 
-    In the order of the picture's channels. What exceeds white is white.
+    In the order of the picture's channels; light above white is white.
     """
     values = np.arange(256.0)[:, None] * np.asarray(gains) ** (1 / GAMMA)
     return np.rint(np.minimum(values, 255.0)).astype(np.uint8)[None]
 
 
-def read_noise(picture: Picture, sd: float, rng: np.random.Generator) -> Picture:
+def read_noise(picture: Image, sd: float, rng: np.random.Generator) -> Image:
     """The picture with Gaussian noise of `sd` grey levels on every value."""
     ranks = rng.integers(0, RANKS, size=picture.shape, dtype=np.uint16)
     # The picture is whole numbers, so rounding the sum is rounding the noise: a table will do.
@@ -94,9 +92,7 @@ def read_noise(picture: Picture, sd: float, rng: np.random.Generator) -> Picture
     return noise.astype(np.uint8)
 
 
-def shot_noise(
-    picture: Picture, read_sd: float, shot_sd: float, rng: np.random.Generator
-) -> Picture:
+def shot_noise(picture: Image, read_sd: float, shot_sd: float, rng: np.random.Generator) -> Image:
     """The picture with Gaussian noise of variance read_sd^2 + shot_sd^2 v / 128 at value v."""
     ranks = rng.integers(0, RANKS, size=picture.shape, dtype=np.uint16)
     values = np.arange(256.0)
@@ -109,7 +105,7 @@ def shot_noise(
     return noise.astype(np.uint8)
 
 
-def compressed(picture: Picture, quality: int) -> Picture:
+def compressed(picture: Image, quality: int) -> Image:
     """The picture after JPEG, as most cameras do it: half the resolution for the colours."""
     done, data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, quality])
     assert done, "OpenCV always encodes a uint8 BGR picture"
@@ -135,7 +131,7 @@ def rounded_gaussian(sd: float) -> NDArray[np.int16]:
 
 
 @lru_cache(maxsize=1)
-def light_tables() -> tuple[NDArray[np.int32], Picture]:
+def light_tables() -> tuple[NDArray[np.int32], Image]:
     """Light of each value (256,) in LIGHT_UNITS, and the value nearest to each light."""
     light = np.rint(LIGHT_UNITS * (np.arange(256) / 255.0) ** GAMMA)
     grey = np.rint(255.0 * (np.arange(LIGHT_UNITS + 1) / LIGHT_UNITS) ** (1 / GAMMA))

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -17,36 +16,25 @@ from scipy.ndimage import gaussian_filter1d
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
 from sim.clips.clips import Clip
-from sim.motion.motion import Carriage, elbow_floor, posture, table_of
+from sim.clips.fit import Fit, fit_of
+from sim.clips.limits import above, at_a_table, in_reach, limited, smooth
+from sim.motion.carriage import Carriage
+from sim.motion.motion import elbow_floor, table_of
 from sim.motion.planner import curled
+from sim.motion.posture import posture
 from sim.motion.strokes import HandState, minimum_jerk, quaternion_of
 from sim.person.kinematics import (
     OUTWARD,
     elbow_circle,
     hand_rotation,
-    reach_limits,
     shoulders,
     within_reach,
 )
 from sim.pose import SIDES
-from sim.specs import RoomSpec, SceneSpec
+from sim.specs import SceneSpec
 from sim.vectors import norm
 
-# Seated shoulder width, acromion to acromion, over arm length: for clips without shoulders.
-_HALF_BREADTH = 0.108 / (0.162 + 0.1545 + 0.045)
-_AVERAGE_ARM_M = (0.162 + 0.1545 + 0.045) * 1.71
-
-# A palm is never told to be lower than this above the table; contact projection does the rest.
-_FLOOR_M = 0.040
-_SOFT_M = 0.012  # how gently limits set in
-# At the table top a palm is at least so far beyond its near edge; _FREE_M above it, so far ahead of
-# the shoulders: between an elbow behind the back and a hand through the edge.
-_OVER_M, _FREE_M, _BESIDE_M = 0.06, 0.35, 0.05
 _TRUSTED_M = 0.08  # a palm that far from its record no longer has the recorded elbow
-_MAX_LIFT_M = 0.22
-_LOW_SHARE = 0.15  # of the way the hands travel: may be pressed onto the table
-_HIGH_SHARE = 0.05  # likewise: may be lifted higher than this above the shoulders
-_HEADROOM_M = 0.30
 
 # A hand on the table lies flat; in the air its thumb is half up.
 _FLAT_M, _FINGERS_M = 0.03, 0.12
@@ -64,20 +52,6 @@ _SWIVELS_RAD = (math.radians(-10.0), math.radians(95.0))
 _SPINE_H = (
     0.345  # hips to shoulders, of the stature: `sim.motion.motion` bends the torso about the hips
 )
-
-
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """How a clip was fitted: palm [m] = scale * clip + offset_m (3,), before limits; in words."""
-
-    scale: float
-    offset_m: Floats
-    said: str
-
-    def placed(self, xyz: Floats) -> Floats:
-        """Places (..., 3) of the clip in the world, before limits."""
-        placed: Floats = self.scale * xyz + self.offset_m
-        return placed
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,14 +101,14 @@ def retarget(
     scale multiplies the scale found, lift_m is added to the lift found.
     """
     anatomy = scene.anatomy
-    fit = _fit(clip, scene, scale, lift_m)
+    fit = fit_of(clip, scene, scale, lift_m)
     held = _carriages(clip, fit.scale, anatomy)
     carriage = CubicSpline(clip.times_s, held)
     wished = np.stack([fit.placed(clip.path(f"{side}_hand")) for side in SIDES], axis=1)
     grid = _grid(clip.duration_s)
     joints = np.array([_shoulders(anatomy, _carriage(row)) for row in carriage(grid)])
-    reached = _in_reach(wished, CubicSpline(grid, joints)(clip.times_s), anatomy)
-    palms = _at_a_table(reached, scene.room)
+    reached = in_reach(wished, CubicSpline(grid, joints)(clip.times_s), anatomy)
+    palms = at_a_table(reached, scene.room)
     moved = np.linalg.norm(palms - wished, axis=2)
     changed = float((moved > 0.01).any(axis=1).mean())
     palm_spline = CubicSpline(clip.times_s, palms)
@@ -160,101 +134,6 @@ def _grid(duration_s: float) -> Floats:
     return np.linspace(0.0, duration_s, max(int(duration_s * _GRID_HZ), 3) + 1)
 
 
-# --- size and place ------------------------------------------------------------------------------
-
-
-def _fit(clip: Clip, scene: SceneSpec, scale: float, lift_m: float) -> Fit:
-    anatomy = scene.anatomy
-    mine = anatomy.upper_arm_m + anatomy.forearm_m + anatomy.wrist_to_palm_m
-    theirs, said = _arm_length(clip)
-    size = scale * mine / theirs
-    origin = np.array([0.0, 0.0, anatomy.mid_shoulder_height_m - anatomy.shoulder_drop_m])
-    low, high = _heights(clip)
-    rise = scene.room.table_height_m + _FLOOR_M - float(origin[2]) - size * low
-    most = max(min(_MAX_LIFT_M, _HEADROOM_M - size * high), 0.0)
-    lift = min(max(rise, 0.0), most) + lift_m
-    words = f"{said}; scaled by {size:.3f}, lifted by {lift:.3f} m"
-    return Fit(size, origin + np.array([0.0, 0.0, lift]), words)
-
-
-def _heights(clip: Clip) -> tuple[float, float]:
-    """Between which heights the hands do most of their way [m]: idle hands do not count."""
-    middles, ways = [], []
-    for side in SIDES:
-        path = clip.path(f"{side}_hand")
-        ways.append(np.linalg.norm(np.diff(path, axis=0), axis=1))
-        middles.append(0.5 * (path[1:, 2] + path[:-1, 2]))
-    z, way = np.concatenate(middles), np.concatenate(ways)
-    order = z.argsort()
-    spent = np.cumsum(way[order])
-    low, high = (
-        float(z[order][min(np.searchsorted(spent, share * spent[-1]), len(z) - 1)])
-        for share in (_LOW_SHARE, 1.0 - _HIGH_SHARE)
-    )
-    return low, high
-
-
-def _arm_length(clip: Clip) -> tuple[float, str]:
-    """Shoulder to palm along the recorded arm [m], and how that is known."""
-    lengths = []
-    for side in SIDES:
-        if clip.has(f"{side}_shoulder", f"{side}_elbow"):
-            chain = [clip.path(f"{side}_{part}") for part in ("shoulder", "elbow", "hand")]
-            if clip.has(f"{side}_wrist"):
-                chain.insert(2, clip.path(f"{side}_wrist"))
-            bones = [np.linalg.norm(b - a, axis=1) for a, b in pairwise(chain)]
-            lengths.append(float(np.median(np.sum(bones, axis=0))))
-    if lengths:
-        return float(np.mean(lengths)), f"arm of {1000 * np.mean(lengths):.0f} mm as recorded"
-    # Nobody reaches further than the arm is long.
-    reach = []
-    for side, outward in zip(SIDES, (-1.0, 1.0), strict=True):
-        shoulder = np.array([0.0, outward * _HALF_BREADTH * _AVERAGE_ARM_M, 0.0])
-        if clip.has(f"{side}_shoulder"):
-            shoulder = clip.path(f"{side}_shoulder")
-        offset = clip.path(f"{side}_hand") - shoulder
-        reach.append(float(np.quantile(np.linalg.norm(offset, axis=1), 0.99)))
-    arm = max(_AVERAGE_ARM_M, max(reach))
-    if arm > _AVERAGE_ARM_M:
-        return arm, f"no elbows: arm taken to be {1000 * arm:.0f} mm, the furthest reach"
-    return arm, f"no elbows: arm taken to be the average, {1000 * arm:.0f} mm"
-
-
-def _above(values: Floats, least: Floats | float) -> Floats:
-    """Values pressed smoothly above the least ones."""
-    soft: Floats = least + _SOFT_M * np.logaddexp(0.0, (values - least) / _SOFT_M)
-    return soft
-
-
-def _smooth(share: Floats) -> Floats:
-    """0 below 0, 1 above 1, smooth between."""
-    s = np.clip(share, 0.0, 1.0)
-    smooth: Floats = s * s * s * (10.0 + s * (6.0 * s - 15.0))
-    return smooth
-
-
-def _at_a_table(palms: Floats, room: RoomSpec) -> Floats:
-    """Palms (n, 2, 3) above the table, and the lower the further over it: no lap, no hips."""
-    z = _above(palms[..., 2], room.table_height_m + _FLOOR_M)
-    free = _smooth((z - room.table_height_m) / _FREE_M)
-    least = (1.0 - free) * (room.table_near_x_m + _OVER_M) + free * _BESIDE_M
-    return np.stack([_above(palms[..., 0], least), palms[..., 1], z], axis=-1)
-
-
-def _in_reach(palms: Floats, joints: Floats, anatomy: Anatomy) -> Floats:
-    """Palms (n, 2, 3) brought smoothly to where the arm from joints (n, 2, 3) reaches."""
-    near, far = reach_limits(anatomy.upper_arm_m, anatomy.forearm_m)
-    near, far = near + anatomy.wrist_to_palm_m, 0.99 * far + 0.9 * anatomy.wrist_to_palm_m
-    offset = palms - joints
-    r = np.linalg.norm(offset, axis=2, keepdims=True)
-    kept = -_above(-_above(r, near), -far)
-    within: Floats = joints + offset * (kept / np.maximum(r, 1e-6))
-    return within
-
-
-# --- torso and head ------------------------------------------------------------------------------
-
-
 def _carriage(row: Floats) -> Carriage:
     forward, sideways, turn, yaw, pitch = row[:5].tolist()
     return Carriage(forward, sideways, turn, yaw, pitch, row[5:])
@@ -265,11 +144,6 @@ def _shoulders(anatomy: Anatomy, carriage: Carriage) -> tuple[Floats, Floats]:
     at_rest = HandState(np.array([0.3, 0.0, 0.8]), np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(5))
     torso, _ = posture(anatomy, (at_rest, at_rest), np.zeros(3), carriage)
     return shoulders(anatomy, torso.position_m, torso.rotation)
-
-
-def _limited(values: Floats, most: float) -> Floats:
-    limited: Floats = most * np.tanh(values / most)
-    return limited
 
 
 def _carriages(clip: Clip, scale: float, anatomy: Anatomy) -> Floats:
@@ -285,29 +159,26 @@ def _carriages(clip: Clip, scale: float, anatomy: Anatomy) -> Floats:
         middle = 0.5 * scale * (left + right)
         across = left - right
         moved = middle - np.median(middle, axis=0)
-        rows[:, 0] = _limited(moved[:, 0] / spine, _MAX_LEAN_RAD)
-        rows[:, 1] = _limited(moved[:, 1] / spine, _MAX_LEAN_RAD)
+        rows[:, 0] = limited(moved[:, 0] / spine, _MAX_LEAN_RAD)
+        rows[:, 1] = limited(moved[:, 1] / spine, _MAX_LEAN_RAD)
         turn = np.arctan2(-across[:, 0], across[:, 1])
-        rows[:, 2] = _limited(turn - np.median(turn), _MAX_TURN_RAD)
+        rows[:, 2] = limited(turn - np.median(turn), _MAX_TURN_RAD)
         if head is not None:
             on_neck = head - middle
             shift = on_neck - np.median(on_neck, axis=0)
             c, s = np.cos(rows[:, 2]), np.sin(rows[:, 2])
             ahead, aside = c * shift[:, 0] + s * shift[:, 1], -s * shift[:, 0] + c * shift[:, 1]
-            rows[:, 4] = _limited(ahead / _NECK_M, 0.5)
+            rows[:, 4] = limited(ahead / _NECK_M, 0.5)
             own = np.column_stack([ahead, aside, np.minimum(shift[:, 2], 0.0)])
             size = np.linalg.norm(own, axis=1, keepdims=True)
-            rows[:, 5:] = own * _limited(size, _MAX_HEAD_M) / np.maximum(size, 1e-9)
+            rows[:, 5:] = own * limited(size, _MAX_HEAD_M) / np.maximum(size, 1e-9)
     elif head is not None:
         # Who sits moves the head by the torso, about the hips.
         moved = head - np.median(head, axis=0)
         whole = spine + anatomy.neck_to_head_centre_m
-        rows[:, 0] = _limited(moved[:, 0] / whole, _MAX_LEAN_RAD)
-        rows[:, 1] = _limited(moved[:, 1] / whole, _MAX_LEAN_RAD)
+        rows[:, 0] = limited(moved[:, 0] / whole, _MAX_LEAN_RAD)
+        rows[:, 1] = limited(moved[:, 1] / whole, _MAX_LEAN_RAD)
     return rows
-
-
-# --- arms and hands ------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -343,7 +214,7 @@ def _arms(
             angles = np.arctan2(bends[:, 1], bends[:, 0])
             low, high = _SWIVELS_RAD
             middle, half = 0.5 * (low + high), 0.5 * (high - low)
-            swivels[:, side] = middle + _limited(angles - middle, half) - swivel_rad
+            swivels[:, side] = middle + limited(angles - middle, half) - swivel_rad
         along = _forearms(side, scene, joints, palms, swivels[:, side] + swivel_rad)
         if clip.has(f"{name}_wrist"):
             pointing = clip.path(f"{name}_hand") - clip.path(f"{name}_wrist")
@@ -394,7 +265,7 @@ def _turns(side: int, along: Floats, heights: Floats) -> Floats:
     x0 = usual[:, 0]
     along = _unit(along)
     # Finger tips above the table.
-    along[:, 2] = _above(along[:, 2], -np.maximum(heights - _FLAT_M, 0.0) / _FINGERS_M)
+    along[:, 2] = above(along[:, 2], -np.maximum(heights - _FLAT_M, 0.0) / _FINGERS_M)
     along = _unit(along)
     back = np.maximum(0.0, -(along @ x0) - 0.6)
     along = _unit(along + (1.5 * back)[:, None] * np.array([0.0, 0.0, 1.0]))
@@ -402,7 +273,7 @@ def _turns(side: int, along: Floats, heights: Floats) -> Floats:
     w, v = 1.0 + along @ x0, np.cross(np.broadcast_to(x0, along.shape), along)
     turn = _unit(np.column_stack([w, v]))
     roll = -OUTWARD[side] * (
-        _FLAT_RAD + (_ROLL_RAD - _FLAT_RAD) * _smooth((heights - _FLAT_FROM_M) / _FLAT_OVER_M)
+        _FLAT_RAD + (_ROLL_RAD - _FLAT_RAD) * smooth((heights - _FLAT_FROM_M) / _FLAT_OVER_M)
     )
     zero = np.zeros_like(roll)
     rolled = np.column_stack([np.cos(0.5 * roll), np.sin(0.5 * roll), zero, zero])

@@ -14,7 +14,7 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
-from sim.contact.contact import (
+from sim.contact.arm_shape import (
     FOREARM,
     HAND,
     PART_OF_BAR,
@@ -24,9 +24,9 @@ from sim.contact.contact import (
     UPPER_ARM,
     Shape,
     arm_shape,
-    overlaps,
-    solid_depths,
 )
+from sim.contact.capsules import overlaps
+from sim.contact.contact import solid_depths
 from sim.contact.solids import Obstacles
 from sim.person.kinematics import MAX_SWIVEL_RAD, OUTWARD, Arm
 from sim.vectors import norm

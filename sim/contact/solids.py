@@ -13,8 +13,8 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
-from sim.person.body import torso_surface
 from sim.person.kinematics import OUTWARD
+from sim.person.torso import torso_surface
 
 _UP = np.array([0.0, 0.0, 1.0])
 
@@ -206,7 +206,7 @@ def person_solids(
 
 
 @dataclass(frozen=True, eq=False)
-class Thing:
+class StandingObject:
     """A thing that stands in the room, upright: a box, or a cylinder (round).
 
     size_m: extents x, y, z; base_m (3,): centre of its base.

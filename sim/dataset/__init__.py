@@ -1,4 +1,4 @@
-"""Labelled stereo data sets on disk: what is written, read back, verified and exported."""
+"""Labelled stereo data sets on disk: written, read back, verified and exported."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""croissant.json: the data set in the words of MLCommons Croissant 1.0 (JSON-LD)."""
+"""croissant.json: the data set described in MLCommons Croissant 1.0 (JSON-LD)."""
 
 from __future__ import annotations
 
@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import pyarrow as pa
-
-from sim.dataset.checksums import sha256_of
-from sim.dataset.layout import CONVENTIONS, LABELS, OBJECTS, TRUTH
+from sim.dataset.croissant_fields import record_set_of_pictures, record_set_of_table
+from sim.dataset.files.checksums import sha256_of
+from sim.dataset.files.layout import CONVENTIONS, LABELS, OBJECTS, TRUTH
+from sim.dataset.files.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA
 from sim.dataset.reader import Dataset
-from sim.dataset.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA
 from sim.scene.world import CAMERAS
 
 CROISSANT = "croissant.json"
@@ -24,7 +23,7 @@ DESCRIPTION = (
     "velocities, disparity."
 )
 CITATION = "The pjpdaf-bench authors: {name}, made with pjpdaf-bench {version}. CC BY 4.0."
-# What JSON-LD turns into what; given by the standard, appendix 1.
+# The context of JSON-LD, as the standard gives it in appendix 1.
 _CONTEXT: dict[str, Any] = {
     "@language": "en",
     "@vocab": "https://schema.org/",
@@ -64,16 +63,12 @@ _CONTEXT: dict[str, Any] = {
     "transform": "cr:transform",
 }
 PARQUET = "application/x-parquet"
-_SEQUENCE = r".*(seq_\d{6}).*"
-# Readers of Croissant turn a picture into RGB of 8 bits: of these they are given the file's name.
-_SIXTEEN_BITS = ("depth", "disparity", "correspondence")
-_NUMBER = r".*?(\d{6})\.png"
 
 
 def croissant_record(dataset: Dataset) -> dict[str, Any]:
-    """The content of croissant.json; single files get the SHA-256 that they have now.
+    """The content of croissant.json, with the SHA-256 of single files.
 
-    The manifest and the card are not among them: they are the last to be written. Raises OSError.
+    Without the manifest and the card, which are written last. Raises OSError.
     """
     version = str(versions_of(dataset).get("pjpdaf-bench", "of an unknown version"))
     folders = _folders(dataset)
@@ -93,34 +88,38 @@ def croissant_record(dataset: Dataset) -> dict[str, Any]:
             _file_set("truth-tables", "A row a frame and target", f"seq_*/{TRUTH}", PARQUET),
             _file_set("object-tables", "A row a frame and object", f"seq_*/{OBJECTS}", PARQUET),
             *(
-                _file_set(f"pictures-{folder}", what, f"seq_*/{folder}/*.png", "image/png")
-                for folder, what in folders.items()
+                _file_set(f"pictures-{folder}", text, f"seq_*/{folder}/*.png", "image/png")
+                for folder, text in folders.items()
             ),
         ],
         "recordSet": [
-            _table("truth", "The exact truth: a row a frame and target", TRUTH_SCHEMA),
-            _table("objects", "The objects: a row a frame and object", OBJECTS_SCHEMA),
-            *(_pictures(folder, what) for folder, what in folders.items()),
+            record_set_of_table(
+                "truth", "truth-tables", "The exact truth: a row a frame and target", TRUTH_SCHEMA
+            ),
+            record_set_of_table(
+                "objects", "object-tables", "The objects: a row a frame and object", OBJECTS_SCHEMA
+            ),
+            *(record_set_of_pictures(folder, text) for folder, text in folders.items()),
         ],
     }
 
 
 def versions_of(dataset: Dataset) -> Mapping[str, Any]:
-    """Versions that it was made with, as the manifest says."""
+    """Versions in the manifest of the software that made a data set."""
     made_with = dataset.manifest.get("made_with")
-    found = made_with.get("versions") if isinstance(made_with, Mapping) else None
-    return found if isinstance(found, Mapping) else {}
+    versions = made_with.get("versions") if isinstance(made_with, Mapping) else None
+    return versions if isinstance(versions, Mapping) else {}
 
 
 def _folders(dataset: Dataset) -> dict[str, str]:
-    """Folders of PNG pictures in a sequence, and what they hold."""
-    found = {view: f"What the {view} camera filmed" for view in CAMERAS}
+    """Folders of PNG pictures in a sequence, with their descriptions."""
+    folders = {view: f"What the {view} camera filmed" for view in CAMERAS}
     for label in dataset.labels:
         for folder in LABELS.get(label, ()):
             kind, _, view = folder.rpartition("_")
             if kind != "float":  # NPZ
-                found[folder] = f"{kind.capitalize()} of the {view} view; {CONVENTIONS} says how"
-    return found
+                folders[folder] = f"{kind.capitalize()} of the {view} view; {CONVENTIONS} says how"
+    return folders
 
 
 def _single_files(folder: Path) -> list[dict[str, Any]]:
@@ -140,113 +139,12 @@ def _single_files(folder: Path) -> list[dict[str, Any]]:
     ]
 
 
-def _file_set(identity: str, what: str, includes: str, kind: str) -> dict[str, Any]:
+def _file_set(identity: str, description: str, includes: str, kind: str) -> dict[str, Any]:
     return {
         "@type": "cr:FileSet",
         "@id": identity,
         "name": identity,
-        "description": what,
+        "description": description,
         "encodingFormat": kind,
         "includes": includes,
-    }
-
-
-def _table(name: str, what: str, schema: pa.Schema) -> dict[str, Any]:
-    """A record set of a table's columns, and the sequence that a row is of."""
-    source = {"truth": "truth-tables", "objects": "object-tables"}[name]
-    return {
-        "@type": "cr:RecordSet",
-        "@id": name,
-        "name": name,
-        "description": what,
-        "field": [
-            _of_path(f"{name}/sequence", source, _SEQUENCE, "sc:Text"),
-            *(_column(f"{name}/{column.name}", source, column) for column in schema),
-        ],
-    }
-
-
-def _column(identity: str, source: str, column: pa.Field) -> dict[str, Any]:
-    field: dict[str, Any] = {
-        "@type": "cr:Field",
-        "@id": identity,
-        "name": identity.rpartition("/")[2],
-    }
-    kind = column.type
-    if pa.types.is_list(kind):
-        field["repeated"] = True
-        kind = kind.value_type
-    if pa.types.is_struct(kind):
-        # A part of each entry of a list of records.
-        field["subField"] = [
-            {
-                "@type": "cr:Field",
-                "@id": f"{identity}/{part.name}",
-                "name": part.name,
-                "repeated": True,
-                "dataType": _data_type(part.type),
-                "source": {
-                    "fileSet": {"@id": source},
-                    "extract": {"column": column.name},
-                    "transform": {"jsonPath": part.name},
-                },
-            }
-            for part in kind
-        ]
-        return field
-    if pa.types.is_list(kind):  # points: the standard knows one level
-        kind = kind.value_type
-    field["dataType"] = _data_type(kind)
-    field["source"] = {"fileSet": {"@id": source}, "extract": {"column": column.name}}
-    return field
-
-
-def _data_type(kind: pa.DataType) -> str:
-    if pa.types.is_boolean(kind):
-        return "sc:Boolean"
-    if pa.types.is_integer(kind):
-        return "sc:Integer"
-    return "sc:Float" if pa.types.is_floating(kind) else "sc:Text"
-
-
-def _pictures(folder: str, what: str) -> dict[str, Any]:
-    source, name = f"pictures-{folder}", f"{folder}_pictures"
-    return {
-        "@type": "cr:RecordSet",
-        "@id": name,
-        "name": name,
-        "description": what,
-        "field": [
-            _of_path(f"{name}/sequence", source, _SEQUENCE, "sc:Text"),
-            # Files count from 1; `frame_index` of the tables is one less.
-            _of_path(f"{name}/file_number", source, _NUMBER, "sc:Integer"),
-            _of_path(f"{name}/file", source, rf".*(seq_\d{{6}}/{folder}/\d{{6}}\.png)", "sc:Text")
-            if folder.partition("_")[0] in _SIXTEEN_BITS
-            else _content(f"{name}/picture", source),
-        ],
-    }
-
-
-def _content(identity: str, source: str) -> dict[str, Any]:
-    return {
-        "@type": "cr:Field",
-        "@id": identity,
-        "name": identity.rpartition("/")[2],
-        "dataType": "sc:ImageObject",
-        "source": {"fileSet": {"@id": source}, "extract": {"fileProperty": "content"}},
-    }
-
-
-def _of_path(identity: str, source: str, regex: str, kind: str) -> dict[str, Any]:
-    """A field that is a part of the file's path."""
-    return {
-        "@type": "cr:Field",
-        "@id": identity,
-        "name": identity.rpartition("/")[2],
-        "dataType": kind,
-        "source": {
-            "fileSet": {"@id": source},
-            "extract": {"fileProperty": "fullpath"},
-            "transform": {"regex": regex},
-        },
     }

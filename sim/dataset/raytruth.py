@@ -16,30 +16,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import FileError
 from pjpdaf.targets import TARGETS
 from sim.camera.rays import cast
-from sim.dataset.instances import Instances, instances_of
-from sim.dataset.layout import DEPTH_UNIT_M
-from sim.dataset.reader import Sequence
+from sim.dataset.files.layout import DEPTH_UNIT_M
+from sim.dataset.labels.instances import Instances, instances_of
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 from sim.sequence import Simulation
 
 STEP_PX = 6
-BAND_PX = 2  # around the borders of the targets' masks, where every pixel is looked at
+BAND_PX = 2  # around the borders of the targets' masks, where every pixel is compared
 MOST_WRONG = 1e-3  # goal: share of pixels whose instance differs
 MOST_MEDIAN_M = 5e-5  # goal: median difference of depth, half a unit of which the files round away
 
 
 @dataclass(frozen=True, eq=False)
 class RayFigures:
-    """Where rays and files differ, over all frames and views that were looked at.
+    """Differences between rays and files, over all compared frames and views.
 
-    rays: cast; pixels: of the pictures; wrong: how many of them show another instance, each ray of
-    the grid standing for its square, those near the targets' borders for themselves. target_pixels,
-    target_wrong (T,): pixels of each target's masks, and pixels that are in one of file and truth
-    only. depths_m: |difference| of all rays of the grid whose ids agree; most_m: the largest of
-    those near borders too.
+    rays: number of rays; pixels: of the pictures; wrong: number of pixels that show another
+    instance, where a ray of the grid counts for its square and a ray near a target's border for its
+    pixel. target_pixels, target_wrong (T,): pixels of each target's masks, and pixels in exactly
+    one of the masks of file and truth. depths_m: |difference| of all rays of the grid whose
+    ids agree; most_m: the maximum, near borders too.
     """
 
     rays: int
@@ -57,27 +57,27 @@ class RayFigures:
 
     @property
     def target_shares(self) -> Floats:
-        """Per target (T,), pixels that differ over pixels of its masks."""
+        """Different pixels over mask pixels of each target (T,)."""
         return np.asarray(self.target_wrong / np.maximum(self.target_pixels, 1))
 
     @property
     def median_m(self) -> float:
-        """Median |difference| of depth, 0 where nothing was compared."""
+        """Median |difference| of depth, 0 without compared pixels."""
         return float(np.median(self.depths_m)) if len(self.depths_m) else 0.0
 
     @property
     def rarely_m(self) -> float:
-        """|difference| of depth that 99 % stay below."""
+        """99 % quantile of |difference| of depth."""
         return float(np.quantile(self.depths_m, 0.99)) if len(self.depths_m) else 0.0
 
     @property
     def met(self) -> bool:
-        """Whether the files are as exact as MOST_WRONG and MOST_MEDIAN_M want."""
+        """Whether the files meet the goals MOST_WRONG and MOST_MEDIAN_M."""
         return self.wrong_share <= MOST_WRONG and self.median_m <= MOST_MEDIAN_M
 
 
-def together(all_figures: Iterable[RayFigures]) -> RayFigures:
-    """The figures of several checks as of one; of none, all 0."""
+def pooled(all_figures: Iterable[RayFigures]) -> RayFigures:
+    """Pool the figures of several comparisons; all 0 without any."""
     parts = list(all_figures)
     zeros = np.zeros(len(TARGETS))
     return RayFigures(
@@ -92,40 +92,40 @@ def together(all_figures: Iterable[RayFigures]) -> RayFigures:
 
 
 def ray_check(
-    simulation: Simulation, sequence: Sequence, frames: Iterable[int], step: int = STEP_PX
+    simulation: Simulation, sequence: StoredSequence, frames: Iterable[int], step: int = STEP_PX
 ) -> RayFigures:
-    """Compare these frames of a sequence with rays into the scene that it was made from.
+    """Compare frames of a sequence with rays into the scene from which it was made.
 
     simulation: of its recipe; it is only posed, nothing is rendered. step: of the grid [px]. The
-    labels seg and depth are needed. Raises BenchError where a file is missing or damaged, a frame
-    is not there, or the simulation has other cameras than rig.json says.
+    labels seg and depth are needed. Raises FileError where a file is missing or damaged, a frame
+    does not exist, or the simulation has other cameras than rig.json.
     """
     world = simulation.world
-    for name, real, said in zip(CAMERAS, world.rig.cameras, sequence.rig.cameras, strict=True):
+    for name, real, stored in zip(CAMERAS, world.rig.cameras, sequence.rig.cameras, strict=True):
         same = all(
-            np.array_equal(getattr(real, field), getattr(said, field))
+            np.array_equal(getattr(real, field), getattr(stored, field))
             for field in ("K", "R_cw", "t_cw", "distortion", "width_px", "height_px")
         )
         if not same:
-            raise BenchError(
-                f"{sequence.folder}: the {name} camera of rig.json is not that of recipe.json."
+            raise FileError(
+                sequence.folder, f"the {name} camera of rig.json is not that of recipe.json"
             )
     instances = instances_of(world)
-    found = []
+    figures = []
     for index in frames:
         if not 0 <= index < sequence.frame_count:
-            raise BenchError(f"{sequence.folder}: has no frame {index}.")
+            raise FileError(sequence.folder, f"has no frame {index}")
         time_s = sequence.truths[index].time_s
         for view in range(len(CAMERAS)):
             later_s = simulation.performance.scene.sensor.skew_s if view else 0.0
             world.place(simulation.performance.script.pose(time_s + later_s))
-            found.append(_of_view(simulation, sequence, instances, index, view, step))
-    return together(found)
+            figures.append(_of_view(simulation, sequence, instances, index, view, step))
+    return pooled(figures)
 
 
 def _of_view(
     simulation: Simulation,
-    sequence: Sequence,
+    sequence: StoredSequence,
     instances: Instances,
     index: int,
     view: int,
@@ -138,20 +138,20 @@ def _of_view(
     ys, xs = np.nonzero(band | grid)
     world = simulation.world
     geoms, met_m = cast(world, world.rig.cameras[view], np.column_stack([xs, ys]))
-    met, said, near = instances.ids(geoms), seg[ys, xs], band[ys, xs]
-    # A pixel of the grid stands for its square's share that is not near a border.
+    met, stored, near = instances.ids(geoms), seg[ys, xs], band[ys, xs]
+    # A ray of the grid counts for the part of its square that is not near a border.
     square = float(np.count_nonzero(~band)) / max(int(np.count_nonzero(~near)), 1)
     stands_for = np.where(near, 1.0, square)
-    off_m = np.abs(met_m - depth_m[ys, xs])[met == said]
+    off_m = np.abs(met_m - depth_m[ys, xs])[met == stored]
     known = np.isfinite(off_m)
-    of_grid = known & grid[ys, xs][met == said]
+    of_grid = known & grid[ys, xs][met == stored]
     targets = 1 + np.arange(len(TARGETS))
     return RayFigures(
         rays=len(xs),
         pixels=seg.size,
-        wrong=float(stands_for[met != said].sum()),
+        wrong=float(stands_for[met != stored].sum()),
         target_pixels=np.array([np.count_nonzero(seg == t) for t in targets]),
-        target_wrong=np.array([stands_for[(met == t) != (said == t)].sum() for t in targets]),
+        target_wrong=np.array([stands_for[(met == t) != (stored == t)].sum() for t in targets]),
         depths_m=off_m[of_grid].astype(np.float32),
         most_m=float(off_m[known].max(initial=0.0)),
     )
@@ -168,7 +168,7 @@ def _borders(seg: NDArray[np.uint8]) -> NDArray[np.bool_]:
 
 
 def lines_of(figures: RayFigures) -> list[str]:
-    """The figures in words, for a terminal or a card."""
+    """The figures as lines of text, for a terminal or a card."""
     shares = ", ".join(
         f"{target} {share:.3%}"
         for target, share in zip(TARGETS, figures.target_shares, strict=True)

@@ -1,10 +1,9 @@
-"""What a data set's labels say as a whole: counts and histograms, read sequence by sequence."""
+"""Statistics of a data set: counts and histograms of its labels, read sequence by sequence."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from collections.abc import Sequence as Several
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
@@ -14,68 +13,19 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import FileError
 from pjpdaf.targets import LEFT_HAND, RIGHT_HAND, TARGETS
-from sim.dataset.layout import TRUTH
-from sim.dataset.reader import Dataset, Sequence
-from sim.dataset.records import KEYPOINTS, NOT_LABELLED, VISIBLE
+from sim.dataset.files.layout import TRUTH
+from sim.dataset.histograms import BINS, Histogram, counted
+from sim.dataset.labels.records import KEYPOINTS, NOT_LABELLED, VISIBLE
+from sim.dataset.reader import Dataset
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
 HANDS = (RIGHT_HAND, LEFT_HAND)
 _PAIRS = tuple(combinations(TARGETS, 2))
 _POINTS = tuple(f"{TARGETS[target]}:{name}" for target, name in KEYPOINTS)
 _STATUSES = VISIBLE + 1
-
-
-@dataclass(frozen=True)
-class Bins:
-    """What a histogram counts. edges: of its bins, in `unit`; the first and the last bin hold what
-    lies beyond them too, each bin its lower edge and the last one both.
-    """
-
-    title: str
-    unit: str
-    edges: tuple[float, ...]
-
-
-# The same for all data sets, so that two cards can be laid side by side.
-BINS: dict[str, Bins] = {
-    "visible_fraction": Bins(
-        "Visible share of a target's skin", "", tuple(np.linspace(0, 1, 11).round(2).tolist())
-    ),
-    "truncation": Bins(
-        "Share of a target outside the picture", "", (0.0, 0.001, 0.1, 0.25, 0.5, 0.75, 0.999, 1.0)
-    ),
-    "distance": Bins(
-        "Distance from the left camera", "m", tuple(np.linspace(0.4, 2.4, 11).round(2).tolist())
-    ),
-    # Edges of the classes dark, brown, tan, intermediate, light, very light.
-    "skin_tone": Bins("Skin tone of the sequences, ITA", "deg", (-60, -30, 10, 28, 41, 55, 70)),
-    "hand_speed": Bins(
-        "Speed of the hands", "m/s", (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.5, 3.0, 6.0)
-    ),
-    "motion": Bins(
-        "Way from one frame to the next", "mm", (0, 2, 5, 10, 20, 50, 100, 200, 400, 800)
-    ),
-}
-
-
-@dataclass(frozen=True)
-class Histogram:
-    """Numbers of values in each of `bins`' bins, by series such as "right_hand, left".
-
-    missing: values that there are not, such as the visible share of what is out of the picture.
-    """
-
-    bins: Bins
-    counts: Mapping[str, tuple[int, ...]]
-    missing: int
-
-    @property
-    def total(self) -> tuple[int, ...]:
-        """All series together."""
-        bins = len(self.bins.edges) - 1
-        return tuple(sum(one[i] for one in self.counts.values()) for i in range(bins))
 
 
 @dataclass(frozen=True)
@@ -122,31 +72,31 @@ class Statistics:
             "object_rows": self.object_rows,
             "histograms": {
                 name: {
-                    "title": one.bins.title,
-                    "unit": one.bins.unit,
-                    "edges": list(one.bins.edges),
-                    "counts": {series: list(counts) for series, counts in one.counts.items()},
-                    "missing": one.missing,
+                    "title": histogram.bins.title,
+                    "unit": histogram.bins.unit,
+                    "edges": list(histogram.bins.edges),
+                    "counts": {s: list(counts) for s, counts in histogram.counts.items()},
+                    "missing": histogram.missing,
                 }
-                for name, one in self.histograms.items()
+                for name, histogram in self.histograms.items()
             },
         }
 
 
 def statistics_of(dataset: Dataset) -> Statistics:
-    """The statistics of all finished sequences; one is in memory at a time.
+    """Statistics of all finished sequences, of which one at a time is in memory.
 
-    Raises BenchError that names the file of a damaged one.
+    Raises FileError for a damaged sequence.
     """
-    parts = _Parts()
+    totals = _Totals()
     for sequence in dataset.sequences:
         # A copy keeps its tables to itself, and they go with it.
-        parts.add(replace(sequence))
-    return parts.whole()
+        totals.add(replace(sequence))
+    return totals.statistics()
 
 
-class _Parts:
-    """The sums so far."""
+class _Totals:
+    """Running totals over sequences."""
 
     def __init__(self) -> None:
         self._counts: dict[str, dict[str, NDArray[np.int64]]] = {name: {} for name in BINS}
@@ -158,15 +108,16 @@ class _Parts:
         self._merged_frames = self._ambiguous = self._objects = 0
         self._keypoints = {name: np.zeros(_STATUSES, np.int64) for name in _POINTS}
 
-    def add(self, sequence: Sequence) -> None:
-        """Count one sequence."""
+    def add(self, sequence: StoredSequence) -> None:
+        """Add a sequence."""
         frames, rows = sequence.frame_count, sequence.truth
-        # As a stranger's table says it, not as the manifest does.
+        # The table is untrusted, whatever the manifest says.
         names = rows["target"].to_numpy()
         if len(rows) != frames * len(TARGETS) or list(names) != list(TARGETS) * frames:
-            raise BenchError(
-                f"{sequence.folder / TRUTH}: must have a row for each of {', '.join(TARGETS)} in "
-                f"each of {frames} frames, in this order."
+            raise FileError(
+                sequence.folder / TRUTH,
+                f"must have a row for each of {', '.join(TARGETS)} in "
+                f"each of {frames} frames, in this order",
             )
         scenario = str(sequence.entry.get("scenario", "unnamed"))
         before = self._scenarios.get(scenario, (0, 0))
@@ -179,8 +130,8 @@ class _Parts:
         self._add_keypoints(sequence, rows)
         self._count("skin_tone", "sequences", np.array([skin_ita_deg(sequence.recipe)]))
 
-    def whole(self) -> Statistics:
-        """All of it."""
+    def statistics(self) -> Statistics:
+        """The totals as a record."""
         return Statistics(
             sequences=sum(n for n, _ in self._scenarios.values()),
             frames=sum(n for _, n in self._scenarios.values()),
@@ -221,13 +172,13 @@ class _Parts:
                 self._count("visible_fraction", f"{target}, {view}", inside)
                 self._count("truncation", f"{target}, {view}", cut[t])
 
-    def _add_places(self, sequence: Sequence, rows: pd.DataFrame) -> None:
-        eye = sequence.rig.left.centre_w
+    def _add_places(self, sequence: StoredSequence, rows: pd.DataFrame) -> None:
+        camera_w = sequence.rig.left.centre_w
         axes = [_by_target(rows, f"{a}_m", np.float64) for a in "xyz"]
         speeds = [_by_target(rows, f"v{a}_mps", np.float64) for a in "xyz"]
         for t, target in enumerate(TARGETS):
             places = np.stack([axis[t] for axis in axes], axis=-1)
-            self._count("distance", target, np.linalg.norm(places - eye, axis=1))
+            self._count("distance", target, np.linalg.norm(places - camera_w, axis=1))
             steps_m = np.linalg.norm(np.diff(places, axis=0), axis=1)
             self._count("motion", target, 1e3 * steps_m)
             if t in HANDS:
@@ -250,37 +201,30 @@ class _Parts:
         self._merged_frames += int(anywhere.sum())
         self._ambiguous += int(np.logical_and.reduce(both).sum())
 
-    def _add_keypoints(self, sequence: Sequence, rows: pd.DataFrame) -> None:
+    def _add_keypoints(self, sequence: StoredSequence, rows: pd.DataFrame) -> None:
         T = len(TARGETS)
         for view in CAMERAS:
             column = f"keypoint_status_{view}"
             for t, target in enumerate(TARGETS):
                 names = [name for name in _POINTS if name.startswith(f"{target}:")]
                 try:
-                    said = np.array(list(rows[column].iloc[t::T]), np.int64)
-                    if said.shape[1:] != (len(names),):
+                    status = np.array(list(rows[column].iloc[t::T]), np.int64)
+                    if status.shape[1:] != (len(names),):
                         raise ValueError
-                    if ((said < NOT_LABELLED) | (said > VISIBLE)).any():
+                    if ((status < NOT_LABELLED) | (status > VISIBLE)).any():
                         raise ValueError
                 except (TypeError, ValueError):
-                    raise BenchError(
-                        f"{sequence.folder / TRUTH}: {column} of {target} must be {len(names)} "
-                        f"numbers from {NOT_LABELLED} to {VISIBLE} in each frame."
+                    raise FileError(
+                        sequence.folder / TRUTH,
+                        f"{column} of {target} must be {len(names)} "
+                        f"numbers from {NOT_LABELLED} to {VISIBLE} in each frame",
                     ) from None
                 for k, name in enumerate(names):
-                    self._keypoints[name] += np.bincount(said[:, k], minlength=_STATUSES)
-
-
-def counted(values: Floats, edges: Several[float]) -> tuple[NDArray[np.int64], int]:
-    """Numbers of values (n,) in the bins between edges, and how many are NaN or infinite."""
-    there = values[np.isfinite(values)]
-    inside = np.clip(there, edges[0], edges[-1])
-    counts, _ = np.histogram(inside, np.array(edges, np.float64))
-    return counts.astype(np.int64), len(values) - len(there)
+                    self._keypoints[name] += np.bincount(status[:, k], minlength=_STATUSES)
 
 
 def skin_ita_deg(recipe: Mapping[str, Any]) -> float:
-    """Skin tone of a sequence as its recipe has it, individual typology angle [deg], else NaN."""
+    """Skin tone in a recipe, individual typology angle [deg]; NaN where it has none."""
     values = recipe.get("values")
     value = values.get("skin_ita") if isinstance(values, Mapping) else None
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -288,12 +232,6 @@ def skin_ita_deg(recipe: Mapping[str, Any]) -> float:
     return float(value)
 
 
-def shares(counts: Iterable[int]) -> list[float]:
-    """Of their sum, 0 where there is none."""
-    numbers = list(counts)
-    return [n / max(sum(numbers), 1) for n in numbers]
-
-
 def _by_target(rows: pd.DataFrame, column: str, dtype: type) -> NDArray[Any]:
-    """A column as (T, frames); no value is NaN."""
+    """A column as (T, frames), NaN for no value."""
     return np.asarray(rows[column].to_numpy(dtype)).reshape(-1, len(TARGETS)).T

@@ -1,4 +1,4 @@
-"""Fast motion: what a gate must follow."""
+"""Fast motion, which a tracker's gate must follow: a ladder of speeds, stops, reversals."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from dataclasses import replace
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from sim.motion.motion import Cue, Plan
-from sim.motion.planner import HandPlanner, raised
-from sim.motion.stage import STILL_S, Gesture, Stage, no_objects
+from sim.event_names import speed_name
+from sim.motion.motion import Cue, MotionPlan
+from sim.motion.planner import RISING_M, HandPlanner, meet, raised
+from sim.motion.stage import STILL_S, Family, Stage
 from sim.motion.strokes import (
     Glide,
     HandState,
@@ -20,16 +21,16 @@ from sim.motion.strokes import (
     minimum_jerk_second,
 )
 from sim.person.kinematics import OUTWARD
+from sim.pose import SIDES
 
 RUNGS = 9
-SIDES = ("right", "left")
 
 
-def _speed_ladder(stage: Stage) -> Plan:
-    """One hand to and fro along a line, rung after rung faster; the other hand rests."""
+def _speed_ladder(stage: Stage) -> MotionPlan:
+    """A hand goes to and fro along a line, rung after rung faster; the other hand rests."""
     side = stage.side("hand")
     outward, rng = OUTWARD[side], stage.streams("ladder")
-    hands = (HandPlanner(stage.rest(0)), HandPlanner(stage.rest(1)))
+    hands = stage.planners(STILL_S)
     hand = hands[side]
     length, aside = stage.number("length"), stage.number("turn")
     centre = np.array(
@@ -41,8 +42,7 @@ def _speed_ladder(stage: Stage) -> Plan:
     )
     along = 0.5 * length * np.array([math.sin(aside), -outward * math.cos(aside), 0.0])
     ends = [raised(side, centre + k * along, 0.35, 0.0, 0.6, curl=0.2) for k in (-1.0, 1.0)]
-    hand.until(STILL_S)
-    hand.move(ends[0], 0.3, [0.0, 0.0, 0.02])
+    hand.move(ends[0], 0.3, RISING_M)
     cues = []
     for rung in range(1, RUNGS + 1):
         speed = stage.number(f"rung_{rung}")
@@ -55,16 +55,16 @@ def _speed_ladder(stage: Stage) -> Plan:
                 hand.move(end, speed, least_s=0.01)
                 # An uneven turn keeps fast rungs from falling in step with the frames.
                 hand.wait(float(rng.uniform(0.0, 0.08)))
-        cues.append(Cue(f"speed:{speed:g}", begun, hand.clock_s))
+        cues.append(Cue(speed_name(speed), begun, hand.clock_s))
     hand.wait(stage.number("pause"))
-    hand.move(stage.rest(side), 0.3, [0.0, 0.0, 0.02])
+    hand.move(stage.rest(side), 0.3, RISING_M)
     return stage.plan(hands, cues=tuple(cues))
 
 
 def _broken_off(hand: HandPlanner, before: HandState, s: float, brake_s: float) -> float:
-    """Break the hand's last move, a straight stroke from `before`, off at share s of its time.
+    """Break off the hand's last move, a straight stroke from `before`, at share s of its time.
 
-    It comes to rest in brake_s on its way: returned is the share of the way that is then done.
+    The hand comes to rest on its way within brake_s. Returns the share of the way done by then.
     """
     stroke = hand.moves[-1]
     way, T = stroke.to.position_m - before.position_m, stroke.end_s - stroke.start_s
@@ -87,7 +87,7 @@ def _broken_off(hand: HandPlanner, before: HandState, s: float, brake_s: float) 
 
 
 def _free(stage: Stage, side: int, share: Floats) -> HandState:
-    """A hand at this share (3,) of the room before its own shoulder: 0-1 along x, outward, z."""
+    """A hand in the space before its own shoulder: share (3,) of it, 0-1 along x, outward, z."""
     ahead, out, up = share.tolist()
     place = [
         stage.number("centre_x") + 0.07 * (ahead - 0.5),
@@ -97,16 +97,15 @@ def _free(stage: Stage, side: int, share: Floats) -> HandState:
     return raised(side, place, 0.45, 0.05, 0.6, curl=0.2)
 
 
-def _stop_and_reverse(stage: Stage) -> Plan:
+def _stop_and_reverse(stage: Stage) -> MotionPlan:
     """Both hands stroke, each on its own side; most strokes stop dead or turn back midway."""
     slow, fast = stage.number("slowest"), stage.number("fastest")
-    hands = (HandPlanner(stage.rest(0)), HandPlanner(stage.rest(1)))
+    hands = stage.planners(stage.start_s)
     cues = []
     for side in (0, 1):
         hand, rng = hands[side], stage.streams(f"strokes-{side}")
-        hand.until(STILL_S + stage.number("wait"))
         at = np.array([0.5, 0.3 + 0.4 * rng.random(), 0.3 + 0.4 * rng.random()])
-        hand.move(_free(stage, side, at), 0.4, [0.0, 0.0, 0.02])
+        hand.move(_free(stage, side, at), 0.4, RISING_M)
         while hand.clock_s < stage.duration_s:
             # One draw each whatever the kind, so that a longer sequence begins like a shorter one.
             kind = str(rng.choice(["stop", "reverse", "whole"], p=[0.4, 0.4, 0.2]))
@@ -130,12 +129,12 @@ def _stop_and_reverse(stage: Stage) -> Plan:
     return stage.plan(hands, cues=tuple(cues))
 
 
-def _fast_finish(stage: Stage) -> Plan:
+def _fast_finish(stage: Stage) -> MotionPlan:
     """The hands merge; then both stroke, ever faster, apart and half over each other."""
     front, gap = stage.side("front"), stage.number("depth_gap")
     slow, fast = stage.number("slowest"), stage.number("fastest")
     top, x = stage.scene.room.table_height_m, stage.number("centre_x")
-    hands = (HandPlanner(stage.rest(0)), HandPlanner(stage.rest(1)))
+    hands = stage.planners(stage.start_s)
 
     def near_middle(side: int, across: float, up: float) -> HandState:
         # Along a line of sight the hand behind is lower.
@@ -144,9 +143,8 @@ def _fast_finish(stage: Stage) -> Plan:
         return raised(side, place, 0.9, -0.1, 0.9, curl=0.2)
 
     for side in (0, 1):
-        hands[side].until(STILL_S + stage.number("wait"))
         ready = _free(stage, side, np.array([0.5, 0.3, 0.3]))
-        hands[side].move(ready, 0.4, [0.0, 0.0, 0.02])
+        hands[side].move(ready, 0.4, RISING_M)
     for hand in hands:
         hand.until(max(h.clock_s for h in hands))
         hand.wait(0.3)
@@ -154,9 +152,7 @@ def _fast_finish(stage: Stage) -> Plan:
     for side in (0, 1):
         merged = near_middle(side, 0.5 * stage.number("merge_gap"), 0.16)
         hands[side].move(merged, stage.number("merge_speed"))
-    merged_s = max(hand.clock_s for hand in hands)
-    for hand in hands:
-        hand.until(merged_s + stage.number("merge"))
+    meet(hands, stage.number("merge"))
     cues = [Cue("merge", begun, hands[0].clock_s)]
     left_s = hands[0].clock_s
     rng, over = stage.streams("strokes"), False
@@ -180,10 +176,11 @@ def _fast_finish(stage: Stage) -> Plan:
     return stage.plan(hands, cues=tuple(cues))
 
 
-_ROOM = ("centre_x", "inner_y", "width", "tall")
+_SPACE = ("centre_x", "inner_y", "width", "tall")
 
-FAMILIES: Mapping[str, Gesture] = {
-    "speed_ladder": Gesture(
+
+FAMILIES: Mapping[str, Family] = {
+    "speed_ladder": Family(
         (
             "hand",
             "length",
@@ -194,15 +191,14 @@ FAMILIES: Mapping[str, Gesture] = {
             "pause",
             *(f"rung_{k}" for k in range(1, RUNGS + 1)),
         ),
-        no_objects,
         _speed_ladder,
     ),
-    "stop_and_reverse": Gesture(
-        (*_ROOM, "slowest", "fastest", "brake", "pause", "wait"), no_objects, _stop_and_reverse
+    "stop_and_reverse": Family(
+        (*_SPACE, "slowest", "fastest", "brake", "pause", "wait"), _stop_and_reverse
     ),
-    "fast_finish": Gesture(
+    "fast_finish": Family(
         (
-            *_ROOM,
+            *_SPACE,
             "slowest",
             "fastest",
             "front",
@@ -212,7 +208,6 @@ FAMILIES: Mapping[str, Gesture] = {
             "merge_speed",
             "wait",
         ),
-        no_objects,
         _fast_finish,
     ),
 }

@@ -9,9 +9,11 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
-from sim.contact.contact import arm_shape, exempt, hand_capsules
+from sim.contact.arm_shape import arm_shape, hand_capsules
+from sim.contact.contact import exempt
 from sim.contact.solids import person_solids
-from sim.motion.motion import posture
+from sim.motion.bisection import bisect
+from sim.motion.posture import posture
 from sim.motion.stage import Stage
 from sim.motion.strokes import HandState, quaternion_of
 from sim.person.kinematics import OUTWARD, shoulders, solve_arm
@@ -25,7 +27,8 @@ def _half_axes(anatomy: Anatomy) -> Floats:
 
 
 def _facing(normal: Floats, fingers: Floats) -> Floats:
-    """Hand -> own frame (3, 3): palm against a surface of this outward normal, fingers near so."""
+    """Rotation (3, 3) of a hand whose palm lies on a surface of this outward normal (3,), with its
+    fingers as near to the direction `fingers` (3,) as that allows."""
     along = fingers - float(fingers @ normal) * normal
     along = along / norm(along)
     return np.column_stack([along, cross(normal, along), normal])
@@ -46,12 +49,12 @@ def _gap(anatomy: Anatomy, side: int, palm_m: Floats, turn: Floats, curls: Float
 class Laying:
     """How a hand is to be laid on the head.
 
-    spot (3,): which way the head's surface is touched, in shares of its half axes; fingers (3,):
-    where the fingers should point, head frame; pad (3,): the point of the hand that is to lie
-    there, hand frame; air_m: least distance of that point from the head; own_side_m: least distance
-    of the hand from the head's mid-plane, on its own side (None: it may cross). twists_rad,
-    tilts_rad: what may be chosen: fingers turned along the surface, the wrist lifted off it; the
-    first are liked best.
+    spot (3,): direction of the place on the head's surface, in shares of its half axes; fingers
+    (3,): direction in which the fingers should point, head frame; pad (3,): the point of the hand
+    that is to lie there, hand frame; air_m: least distance of that point from the head; own_side_m:
+    least distance of the hand from the head's mid-plane, on its own side (None: it may cross).
+    twists_rad, tilts_rad: angles to choose from, of the fingers along the surface and of the wrist
+    off it; the first are preferred.
     """
 
     spot: Floats
@@ -89,13 +92,25 @@ class Laying:
     def _clear_of_head(
         self, anatomy: Anatomy, side: int, base: Floats, turn: Floats, normal: Floats
     ) -> float:
-        """How far along the normal [m] the first part of the hand is about to touch the head."""
-        low, high = -0.05, 0.15
-        for _ in range(16):
-            middle = 0.5 * (low + high)
-            free = _gap(anatomy, side, base + middle * normal, turn, self.curls) >= _FREE_M
-            low, high = (low, middle) if free else (middle, high)
-        return max(high, self.air_m)
+        """Distance along the normal [m] at which the hand is about to touch the head."""
+
+        def free(off_m: float) -> bool:
+            return _gap(anatomy, side, base + off_m * normal, turn, self.curls) >= _FREE_M
+
+        return max(bisect(-0.05, 0.15, 16, free)[1], self.air_m)
+
+
+def laid_alone(stage: Stage, side: int, laying: Laying, swivel_rad: float) -> HandState:
+    """A hand laid on the head while the other one rests."""
+    like = replace(stage.rest(side), air=0.1, with_head=1.0, swivel_rad=swivel_rad)
+    return laid_on_head(stage, side, laying, like, stage.rest(1 - side))
+
+
+def beside(touching: HandState, off_m: float, moved_m: Floats) -> HandState:
+    """A hand just before or after it lies on the head: off_m off along its back, and moved (3,)."""
+    away = touching.position_m + off_m * touching.rotation[:, 2] + moved_m
+    swivel = 0.6 * touching.swivel_rad
+    return replace(touching, position_m=away, with_head=0.5, air=0.6, swivel_rad=swivel)
 
 
 def laid_on_head(
@@ -103,7 +118,7 @@ def laid_on_head(
 ) -> HandState:
     """A hand laid on the head, going with it, turned as its arm can best do it.
 
-    like: what is not told by the laying (air, nod, swivel); other: the other hand meanwhile.
+    like: a state with the hand's air, nod and swivel; other: the other hand meanwhile.
     """
     anatomy = stage.scene.anatomy
     states = (like, other) if side == 0 else (other, like)

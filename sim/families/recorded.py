@@ -11,9 +11,11 @@ from pjpdaf.errors import BenchError
 from sim.clips.clip_files import load_clip
 from sim.clips.clips import Clip, mirrored
 from sim.clips.retarget import Retargeted, retarget
-from sim.motion.motion import Carriage, Cue, Plan
+from sim.motion.carriage import Carriage
+from sim.motion.curves import started
+from sim.motion.motion import Cue, MotionPlan
 from sim.motion.planner import LEAST_STROKE_S
-from sim.motion.stage import STILL_S, Gesture, Stage, no_objects
+from sim.motion.stage import STILL_S, Family, Stage
 from sim.motion.strokes import HandPath, HandState, Stroke, minimum_jerk, stroke_duration
 
 _BOW_M = np.array([0.0, 0.0, 0.02])  # of the strokes that lead in
@@ -35,7 +37,7 @@ class ClipClock:
 
     @property
     def ramp_s(self) -> float:
-        """How long the clip's time takes to get going [s]."""
+        """Duration in which the clip's time gets going [s]."""
         return min(_RAMP_S, self.slow * (self.end_s - self.start_s))
 
     @property
@@ -52,21 +54,13 @@ class ClipClock:
         if left <= 0.0:
             return self.end_s
         if left < ramp:
-            return self.end_s - _started(left, ramp) / self.slow
-        return self.start_s + _started(gone, ramp) / self.slow
+            return self.end_s - started(left, ramp) / self.slow
+        return self.start_s + started(gone, ramp) / self.slow
 
     def when(self, clip_s: float) -> float:
         """When a moment of the clip is played, within ramp_s / 2 at its ends."""
         within = min(max(clip_s, self.start_s), self.end_s)
         return self.from_s + 0.5 * self.ramp_s + self.slow * (within - self.start_s)
-
-
-def _started(t_s: float, ramp_s: float) -> float:
-    """The integral from 0 to t_s of a rate that rises like a minimum-jerk stroke to 1."""
-    s = t_s / ramp_s
-    if s >= 1.0:
-        return t_s - 0.5 * ramp_s
-    return ramp_s * s**4 * (2.5 + s * (s - 3.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +92,7 @@ class ClipCarriage:
         return self.body.carriage(self.clock.clip_s(t_s), share)
 
 
-def _recorded(stage: Stage) -> Plan:
+def _recorded(stage: Stage) -> MotionPlan:
     """From rest to the clip's first pose, the clip, and held still where it is over."""
     clip = load_clip(str(stage.values["clip"]))
     if stage.values["mirror"] == "yes":
@@ -150,10 +144,8 @@ def _cues(stage: Stage, clip: Clip, clock: ClipClock) -> tuple[Cue, ...]:
     return tuple(cues)
 
 
-FAMILIES: Mapping[str, Gesture] = {
-    "recorded": Gesture(
-        ("clip", "slow", "mirror", "clip_start", "scale", "lift", "lead_speed"),
-        no_objects,
-        _recorded,
+FAMILIES: Mapping[str, Family] = {
+    "recorded": Family(
+        ("clip", "slow", "mirror", "clip_start", "scale", "lift", "lead_speed"), _recorded
     ),
 }

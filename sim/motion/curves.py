@@ -92,10 +92,19 @@ def figure_eight(first_m: Floats, second_m: Floats, centre_m: Floats) -> Curve:
     )
 
 
+def started(t_s: float, ramp_s: float) -> float:
+    """Integral from 0 to t_s [s] of a rate that rises to 1 in ramp_s as
+    `sim.motion.strokes.minimum_jerk` does."""
+    s = t_s / ramp_s
+    if s >= 1.0:
+        return t_s - 0.5 * ramp_s
+    return ramp_s * s**4 * (2.5 + s * (s - 3.0))
+
+
 def ramped(t_s: float, duration_s: float, ramp_s: float) -> float:
     """Integral over time [s] of a rate that rises to 1 in ramp_s and falls to 0 in the last ramp_s.
 
-    The rise is `sim.motion.strokes.minimum_jerk`; duration_s - ramp_s at the end.
+    The rise is that of `started`; the integral at the end is duration_s - ramp_s.
     """
     if t_s <= 0.0:
         return 0.0
@@ -103,15 +112,12 @@ def ramped(t_s: float, duration_s: float, ramp_s: float) -> float:
         return duration_s - ramp_s
     if t_s > duration_s - ramp_s:
         return duration_s - ramp_s - ramped(duration_s - t_s, duration_s, ramp_s)
-    if t_s >= ramp_s:
-        return t_s - 0.5 * ramp_s
-    s = t_s / ramp_s
-    return ramp_s * s**4 * (2.5 + s * (s - 3.0))
+    return started(t_s, ramp_s)
 
 
 @dataclass(frozen=True, eq=False)
 class Rounds:
-    """A `sim.motion.strokes.Move`: so many rounds of a closed curve, from and to rest.
+    """A `sim.motion.strokes.Move`: a number of rounds of a closed curve, from and to rest.
 
     The curve is displaced to begin where the hand is. ramp_s: to full rate, and back to rest.
     """

@@ -9,15 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from sim.contact.contact import (
-    ALLOWED_PENETRATION_M,
-    POINTS_OF_PART,
-    Penetration,
-    arm_shape,
-    part_name,
-    penetration,
-)
-from sim.contact.solids import Thing
+from sim.contact.arm_shape import POINTS_OF_PART, arm_shape
+from sim.contact.contact import ALLOWED_PENETRATION_M, Penetration, part_name, penetration
+from sim.contact.solids import StandingObject
 from sim.motion.motion import Body, Performer, object_at_rest
 from sim.person.kinematics import (
     MAX_ADDUCTION_RAD,
@@ -99,12 +93,12 @@ class Measures:
         return self.penetration_m[self.deepest]
 
 
-def things_in_the_way(performer: Performer) -> tuple[Thing, ...]:
+def standing_objects(performer: Performer) -> tuple[StandingObject, ...]:
     """What stands in the room and is never held: a hand must not go through it."""
     held = {hold.name for hold in performer.plan.holds}
     room = performer.scene.room
     return tuple(
-        Thing(
+        StandingObject(
             thing.name,
             thing.size_m,
             object_at_rest(room, thing.name).position_m,
@@ -116,7 +110,7 @@ def things_in_the_way(performer: Performer) -> tuple[Thing, ...]:
     )
 
 
-def overlaps_of(performer: Performer, body: Body, things: Sequence[Thing]) -> Penetration:
+def overlaps_of(performer: Performer, body: Body, things: Sequence[StandingObject]) -> Penetration:
     """How deep the arms are in anything: the body, the other arm, the table, the things."""
     anatomy, curls = performer.scene.anatomy, body.curls
     found = penetration(anatomy, body.arms, curls, performer.obstacles(body.torso, body.head))
@@ -159,7 +153,7 @@ def fault_of(performer: Performer, times_s: Iterable[float]) -> str | None:
     fault = _too_fast(performer, times)
     if fault is not None:
         return fault
-    things = things_in_the_way(performer)
+    things = standing_objects(performer)
     for t_s in times:
         fault = _fault_at(performer, performer.body(t_s), things)
         if fault is not None:
@@ -167,7 +161,7 @@ def fault_of(performer: Performer, times_s: Iterable[float]) -> str | None:
     return None
 
 
-def _fault_at(performer: Performer, body: Body, things: Sequence[Thing]) -> str | None:
+def _fault_at(performer: Performer, body: Body, things: Sequence[StandingObject]) -> str | None:
     overlap = overlaps_of(performer, body, things)
     if overlap.worst_m > ALLOWED_PENETRATION_M:
         part, other = overlap.worst
@@ -217,7 +211,7 @@ def measure(performer: Performer, times_s: Iterable[float]) -> Measures:
     times = sorted(times_s)
     if not times:
         raise ValueError("measure needs at least one moment")
-    things = things_in_the_way(performer)
+    things = standing_objects(performer)
     bodies = _each_once(performer)
     deepest: dict[tuple[str, str], float] = {}
     angles: list[list[float]] = []

@@ -11,25 +11,23 @@ from typing import Protocol
 
 import numpy as np
 
-from pjpdaf.arrays import Floats, readonly
+from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
 from sim.contact.separation import separate
 from sim.contact.solids import Obstacles, Table, person_solids
+from sim.motion.carriage import UPRIGHT, CarriageMotion
+from sim.motion.posture import posture
 from sim.motion.strokes import HandState, Wobble, minimum_jerk
 from sim.person.kinematics import Arm, shoulders, solve_arm
 from sim.pose import Pose, Transform
 from sim.scene.room import TOP_M
 from sim.specs import RoomSpec, SceneSpec
-from sim.vectors import about_x, about_y, about_z, norm
+from sim.vectors import about_z
 
-_HIP_HEIGHT_H = 0.245  # of the stature: the pivot of the torso (seat height, as in `Anatomy.of`)
-_HEAD_FORWARD_M = 0.02  # the head's centre stands ahead of the mid-shoulder point
 # Of the stature: the elbow above the table, so that the whole sleeve is. Before the edge, and with
 # a hand under the table, the elbow may hang lower by _HANGING_M.
 _ELBOW_CLEARANCE_H = 0.031
 _HANGING_M = 0.25
-_MAX_LEAN_RAD = math.radians(15.0)
-_TORSO_SHARE = 0.4  # of the head's sway
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,11 +49,20 @@ class Hold:
 
 @dataclass(frozen=True)
 class Cue:
-    """Something worth a name that goes on from one moment to another [s]."""
+    """A named stretch of the motion from one moment to another [s]: an event of the truth."""
 
     name: str
     from_s: float
     to_s: float
+
+
+def successive(start_s: float, *ends: tuple[str, float]) -> tuple[Cue, ...]:
+    """Cues that follow each other from start_s [s] without a gap: (name, end [s]) of each."""
+    cues = []
+    for name, end_s in ends:
+        cues.append(Cue(name, start_s, end_s))
+        start_s = end_s
+    return tuple(cues)
 
 
 class HandMotion(Protocol):
@@ -67,51 +74,12 @@ class HandMotion(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Carriage:
-    """How torso and head are held at one moment, beyond what the hands ask for.
+class MotionPlan:
+    """The motion of a sequence: paths of both hands, what they hold, the body's small motions.
 
-    forward_rad: torso about the hips, forward; sideways_rad: to the person's left; turn_rad: about
-    the spine, to the left. look_yaw_rad (left), look_pitch_rad (down): the head, added to its gaze.
-    head_m (3,): the head displaced in the torso's frame, by what a neck allows.
+    hands, tremor: of the right and the left hand; swivel_rad: the habit of both elbows; holds:
+    objects that are carried; cues: named stretches of time.
     """
-
-    forward_rad: float = 0.0
-    sideways_rad: float = 0.0
-    turn_rad: float = 0.0
-    look_yaw_rad: float = 0.0
-    look_pitch_rad: float = 0.0
-    head_m: Floats = field(default_factory=lambda: np.zeros(3))
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "head_m", readonly(self.head_m, (3,), "Carriage.head_m"))
-
-
-class CarriageMotion(Protocol):
-    """The carriage over time, pure in t."""
-
-    def at(self, t_s: float) -> Carriage:
-        """The carriage at t_s [s], any t."""
-        ...
-
-
-_UPRIGHT = Carriage()
-
-
-@dataclass(frozen=True)
-class Upright:
-    """Nothing beyond what the hands ask for."""
-
-    def at(self, t_s: float) -> Carriage:
-        """Always the same."""
-        return _UPRIGHT
-
-
-UPRIGHT = Upright()
-
-
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """What a performer does: paths of both hands, what they hold, and the body's small motions."""
 
     hands: tuple[HandMotion, HandMotion]
     sway: Wobble
@@ -154,54 +122,6 @@ def object_at_rest(room: RoomSpec, name: str) -> Transform:
     raise KeyError(name)
 
 
-def posture(
-    anatomy: Anatomy,
-    hands: tuple[HandState, HandState],
-    sway_m: Floats,
-    carriage: Carriage = _UPRIGHT,
-) -> tuple[Transform, Transform]:
-    """Torso and head for what the hands do, displaced by sway_m (3,).
-
-    The torso leans forward, up to 15 degrees, where an arm would otherwise be stretched, and as the
-    carriage says; the head turns a little towards hands in the air.
-    """
-    pivot = np.array([0.0, 0.0, _HIP_HEIGHT_H * anatomy.stature_m])
-    upright = np.array([0.0, 0.0, anatomy.mid_shoulder_height_m])
-    arm_m = anatomy.upper_arm_m + anatomy.forearm_m
-    spine_m = norm(upright - pivot)
-    lean = 0.0
-    held = _held(carriage)
-    for side, shoulder in enumerate(shoulders(anatomy, pivot + held @ (upright - pivot), held)):
-        state = hands[side]
-        wrist = state.position_m - anatomy.wrist_to_palm_m * state.rotation[:, 0]
-        short = (norm(wrist - shoulder) - 0.95 * arm_m) / 0.015
-        soft = short if short > 30 else math.log1p(math.exp(short))
-        lean += 1.3 * 0.015 * soft / spine_m
-    turn = about_y(_MAX_LEAN_RAD * math.tanh(lean / _MAX_LEAN_RAD)) @ held
-    torso = Transform(pivot + turn @ (upright - pivot) + _TORSO_SHARE * sway_m, turn)
-    above = np.array([_HEAD_FORWARD_M, 0.0, anatomy.neck_to_head_centre_m]) + carriage.head_m
-    centre = torso.position_m + turn @ above + (1 - _TORSO_SHARE) * sway_m
-    weight = yaw = pitch = 0.0
-    for state in hands:
-        dx, dy, dz = (state.position_m - upright - above).tolist()
-        drawn = (0.05 + state.air) * (1.0 - state.with_head)
-        weight += drawn
-        yaw += drawn * math.atan2(dy, max(dx, 0.15))
-        pitch += drawn * math.atan2(-dz, max(dx, 0.15))
-    yaw *= 0.25 / (weight + 0.3)
-    pitch = 0.08 + 0.15 * pitch / (weight + 0.3) + sum(state.nod_rad for state in hands)
-    yaw += carriage.turn_rad + carriage.look_yaw_rad
-    pitch += carriage.look_pitch_rad
-    return torso, Transform(centre, about_z(yaw) @ about_y(pitch))
-
-
-def _held(carriage: Carriage) -> Floats:
-    if carriage is _UPRIGHT:
-        return np.eye(3)
-    lean = about_x(-carriage.sideways_rad) @ about_y(carriage.forward_rad)
-    return lean @ about_z(carriage.turn_rad)
-
-
 def _after(parent: Transform, child: Transform) -> Transform:
     return Transform(
         parent.position_m + parent.rotation @ child.position_m, parent.rotation @ child.rotation
@@ -233,7 +153,7 @@ class Performer:
     """A `sim.script.Script`: plays a plan in a scene. Pure in t."""
 
     scene: SceneSpec
-    plan: Plan
+    plan: MotionPlan
     _table: Table = field(init=False)
 
     def __post_init__(self) -> None:

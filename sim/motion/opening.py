@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim.contact.contact import height_above_table
+from sim.contact.arm_shape import height_above_table
+from sim.motion.carriage import Carriage, CarriageMotion
 from sim.motion.curves import sweep
-from sim.motion.motion import Carriage, CarriageMotion, Cue, HandMotion, Plan
+from sim.motion.motion import Cue, HandMotion, MotionPlan
 from sim.motion.planner import curled, raised
 from sim.motion.stage import Stage
 from sim.motion.strokes import HandPath, HandState, between, quaternion_of
@@ -22,7 +23,7 @@ MOVE_S = 1.0  # what a hand takes to its place
 _FOLLOWS_S = 0.15  # the lower of two crossed hands waits for the upper one to leave
 
 
-def with_opening(stage: Stage, plan: Plan, kind: str) -> Plan:
+def with_opening(stage: Stage, plan: MotionPlan, kind: str) -> MotionPlan:
     """The plan, begun from another start: later by what that takes, otherwise the same.
 
     kind: one of OPENINGS. apart: as planned. crossed: one forearm lies over the other, each hand on

@@ -1,4 +1,4 @@
-"""Writing hand paths: a clock per hand, and the states that hands are usually in."""
+"""Planners of hand paths: a clock per hand, and the states that hands are usually in."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pjpdaf.arrays import Floats
-from sim.contact.contact import height_above_table
+from sim.contact.arm_shape import height_above_table
 from sim.motion.strokes import HandPath, HandState, Move, Stroke, quaternion_of, stroke_duration
 from sim.person.kinematics import OUTWARD, hand_rotation
 from sim.pose import Transform
@@ -17,6 +17,7 @@ from sim.specs import ObjectSpec, SceneSpec
 
 LEAST_STROKE_S = 0.2
 _STILL = np.zeros(3)
+RISING_M = np.array([0.0, 0.0, 0.02])  # the bow of a stroke off the table or back to it
 
 
 @dataclass
@@ -29,7 +30,7 @@ class HandPlanner:
 
     @property
     def state(self) -> HandState:
-        """What the hand holds once all moves so far are over."""
+        """The state in which the hand is once all moves so far are over."""
         return self.moves[-1].to if self.moves else self.first
 
     def wait(self, duration_s: float) -> None:
@@ -55,14 +56,41 @@ class HandPlanner:
         self.add(stroke)
         return stroke
 
+    def take(
+        self, grasp: Grasp, peak_mps: float, near: float = 0.5, closing_s: float = 0.4
+    ) -> float:
+        """Reach for an object and close the hand round it; returns when it is held [s].
+
+        near: share of the peak speed on the last piece of the way; closing_s: least time of that.
+        """
+        self.move(grasp.before, peak_mps, [0.0, 0.0, 0.03])
+        self.move(grasp.open, near * peak_mps)
+        self.move(grasp.closed, peak_mps, least_s=closing_s)
+        return self.clock_s
+
+    def let_go(
+        self, grasp: Grasp, put: HandState, moved_m: Floats, peak_mps: float, away_mps: float
+    ) -> None:
+        """Open the hand, at `put`, round an object that has moved by moved_m (3,); draw it back."""
+        self.move(replace(put, curls=grasp.open.curls), peak_mps, least_s=0.4)
+        self.move(grasp.before.moved(moved_m), away_mps)
+
     def add(self, move: Move) -> None:
         """Any other kind of move, begun at the clock."""
         self.moves.append(move)
         self.clock_s = move.end_s
 
     def path(self) -> HandPath:
-        """All of it."""
+        """The path of all moves so far."""
         return HandPath(self.first, tuple(self.moves))
+
+
+def meet(hands: tuple[HandPlanner, HandPlanner], wait_s: float = 0.0) -> float:
+    """Let both hands hold still until the later one is ready, and on for wait_s; returns when."""
+    ready = max(hand.clock_s for hand in hands) + wait_s
+    for hand in hands:
+        hand.until(ready)
+    return ready
 
 
 def curled(fingers: float, thumb: float | None = None) -> Floats:
@@ -108,25 +136,25 @@ def raised(
 
 @dataclass(frozen=True, eq=False)
 class Grasp:
-    """A hand about to take an upright thing from outside: open beside it, open at it, closed."""
+    """A hand about to take an upright object from outside: open beside it, open at it, closed."""
 
     before: HandState
     open: HandState
     closed: HandState
 
 
-def grasp(scene: SceneSpec, side: int, thing: ObjectSpec, place: Transform) -> Grasp:
-    """How a hand takes a thing that stands at `place`: from outside, thumb up, fingers round it."""
+def grasp(scene: SceneSpec, side: int, taken: ObjectSpec, place: Transform) -> Grasp:
+    """Grasp of an object that stands at `place`: from outside, thumb up, fingers round it."""
     anatomy = scene.anatomy
     rotation = hand_rotation(side, 0.45, 0.0, 1.45)
     thickness = 0.15 * anatomy.hand_breadth_m
-    radius = 0.5 * min(thing.size_m[0], thing.size_m[1])
-    # From the palm's centre to the thing's axis: under the finger roots, on the palm's side.
+    radius = 0.5 * min(taken.size_m[0], taken.size_m[1])
+    # From the palm's centre to the object's axis: under the finger roots, on the palm's side.
     offset = rotation @ np.array([0.16 * anatomy.hand_length_m, 0.0, -(radius + thickness + 0.003)])
-    height = max(0.5 * anatomy.hand_breadth_m + 0.022, min(0.55 * thing.size_m[2], 0.08))
+    height = max(0.5 * anatomy.hand_breadth_m + 0.022, min(0.55 * taken.size_m[2], 0.08))
     position = place.position_m - offset
     position[2] = place.position_m[2] + height
-    # The wider the thing, the straighter the fingers round it: 0.50 for a can, 0.42 for a wide box.
+    # The wider the object, the straighter the fingers: 0.50 for a can, 0.42 for a wide box.
     closing = min(max(0.66 - 4.5 * radius, 0.3), 0.6)
     quaternion = quaternion_of(rotation)
     closed = HandState(position, quaternion, curled(closing, thumb=0.55), air=0.0)

@@ -1,4 +1,4 @@
-"""What a family of motion plans with: the scene, its values, its random streams."""
+"""The stage: what a family of motion plans with; and the record of a family."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pjpdaf.arrays import Floats
 from pjpdaf.errors import BenchError
-from sim.motion.motion import UPRIGHT, CarriageMotion, Cue, HandMotion, Hold, Plan
+from sim.motion.carriage import UPRIGHT, CarriageMotion
+from sim.motion.motion import Cue, HandMotion, Hold, MotionPlan, object_at_rest
 from sim.motion.planner import HandPlanner, resting
 from sim.motion.strokes import HandState, wobble
+from sim.pose import Transform
 from sim.specs import ObjectSpec, SceneSpec
 
 Value = float | str
@@ -38,7 +41,10 @@ def side_of(values: Values, name: str) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """What a family plans with: the scene, its values, its random streams, how long it plays."""
+    """The input of a family's plan: scene, parameter values in SI units, random streams, duration.
+
+    streams: name -> generator of that name, the same for every call with a seed.
+    """
 
     scene: SceneSpec
     values: Values
@@ -52,6 +58,29 @@ class Stage:
     def side(self, name: str) -> int:
         """0 for "right", 1 for "left"."""
         return side_of(self.values, name)
+
+    @property
+    def start_s(self) -> float:
+        """When the motion begins [s]: after the still start and the parameter `wait`."""
+        return STILL_S + self.number("wait")
+
+    def planners(self, start_s: float = 0.0) -> tuple[HandPlanner, HandPlanner]:
+        """Planners of the right and the left hand, at rest on the table until start_s [s]."""
+        hands = (HandPlanner(self.rest(0)), HandPlanner(self.rest(1)))
+        for hand in hands:
+            hand.until(start_s)
+        return hands
+
+    def object_named(self, name: str) -> tuple[ObjectSpec, Transform]:
+        """An object of the room and where it stands at the start. Raises KeyError."""
+        place = object_at_rest(self.scene.room, name)
+        return next(o for o in self.scene.room.objects if o.name == name), place
+
+    @property
+    def centre_m(self) -> Floats:
+        """The middle of a motion before the chest (3,) [m]: parameters `centre_x` and `height`."""
+        height = self.scene.room.table_height_m + self.number("height")
+        return np.array([self.number("centre_x"), 0.0, height])
 
     def rest(self, side: int, ahead_m: float = 0.0, outward_m: float = 0.0) -> HandState:
         """The hand at its place on the table, or shifted from it."""
@@ -70,15 +99,15 @@ class Stage:
         holds: tuple[Hold, ...] = (),
         cues: tuple[Cue, ...] = (),
         carriage: CarriageMotion = UPRIGHT,
-    ) -> Plan:
-        """The plan of these hands with this person's sway and tremor."""
+    ) -> MotionPlan:
+        """The motion plan of these hands (right, left) with this person's sway and tremor."""
         right, left = (h.path() if isinstance(h, HandPlanner) else h for h in hands)
         sway = wobble(self.streams("sway"), self.number("head_sway"), 0.2, 0.5)
         tremor = tuple(
             wobble(self.streams(f"tremor-{side}"), self.number("tremor"), 0.5, 1.6)
             for side in (0, 1)
         )
-        return Plan(
+        return MotionPlan(
             hands=(right, left),
             sway=sway,
             tremor=(tremor[0], tremor[1]),
@@ -90,14 +119,14 @@ class Stage:
 
 
 def no_objects(values: Values) -> tuple[ObjectSpec, ...]:
-    """For a family that needs nothing on the table."""
+    """The objects of a family that puts nothing on the table."""
     return ()
 
 
 @dataclass(frozen=True)
-class Gesture:
-    """A family's entry: the parameters it needs, the objects it puts on the table, its plan."""
+class Family:
+    """A kind of motion: the parameters that it needs, its plan, its objects on the table."""
 
     parameters: tuple[str, ...]
-    objects: Callable[[Values], tuple[ObjectSpec, ...]]
-    plan: Callable[[Stage], Plan]
+    plan: Callable[[Stage], MotionPlan]
+    objects: Callable[[Values], tuple[ObjectSpec, ...]] = no_objects

@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pjpdaf.arrays import Floats, readonly
 
@@ -82,6 +83,10 @@ class HandState:
             object.__setattr__(
                 self, name, readonly(getattr(self, name), shape, f"HandState.{name}")
             )
+
+    def moved(self, by_m: ArrayLike) -> HandState:
+        """The same state displaced by by_m (3,) [m]."""
+        return replace(self, position_m=self.position_m + np.asarray(by_m, dtype=np.float64))
 
     @cached_property
     def rotation(self) -> Floats:

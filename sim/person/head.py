@@ -8,7 +8,7 @@ from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
 from sim.specs import Appearance
 from sim.surfaces.shapes import Surface, capped, closed_grid, interpolate
-from sim.surfaces.textures import Picture, soft, to_bytes, value_noise
+from sim.surfaces.textures import Texture, soft, to_bytes, value_noise
 
 RINGS, SIDES = 44, 52
 HAIR = ("short", "long", "bald")
@@ -70,7 +70,7 @@ def curtain_surface(anatomy: Anatomy) -> Surface:
     return closed_grid(_scaled(capped(grid), anatomy))
 
 
-def face_texture(rng: np.random.Generator, appearance: Appearance, size: int = 320) -> Picture:
+def face_texture(rng: np.random.Generator, appearance: Appearance, size: int = 320) -> Texture:
     """Skin with brows, eyes, lips and a soft blush, for `head_surface`."""
     theta, phi = _angles(size, 2 * size)
     points = _face(theta, phi, features=False)
@@ -122,7 +122,7 @@ def face_texture(rng: np.random.Generator, appearance: Appearance, size: int = 3
     return to_bytes(rgb)
 
 
-def hair_texture(rng: np.random.Generator, appearance: Appearance, size: int = 256) -> Picture:
+def hair_texture(rng: np.random.Generator, appearance: Appearance, size: int = 256) -> Texture:
     """Strands from the crown down."""
     strands = value_noise(rng, (size, size), (4, size // 2))
     waves = value_noise(rng, (size, size), (6, 24))

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from sim.anatomy import Anatomy
-from sim.person.body import ROOM, limb_ring
+from sim.person.geoms import ROOM
 from sim.person.hand import fingers, joint_angles, palm_surface
 from sim.specs import RGB, ObjectSpec, RoomSpec
 from sim.surfaces import textures
 from sim.surfaces.assets import Assets, check_word, turned
 from sim.surfaces.blocks import block
-from sim.surfaces.shapes import Surface, limb, revolved
+from sim.surfaces.shapes import Surface, limb, limb_ring, revolved
 from sim.vectors import about_y
 
 

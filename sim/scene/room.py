@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from sim.person.body import ROOM
+from sim.person.geoms import ROOM
 from sim.scene.objects import add_object
 from sim.specs import RoomSpec
 from sim.surfaces import textures

@@ -13,7 +13,8 @@ from pjpdaf.camera import StereoRig
 from pjpdaf.targets import TARGETS
 from sim.gl import load_mujoco
 from sim.lens import SCALE, Lens, lens_of
-from sim.person.body import HAND_TARGETS, SKIN, TARGET_GROUPS, add_person
+from sim.person.body import add_person
+from sim.person.geoms import HAND_TARGETS, SKIN, TARGET_GROUPS
 from sim.person.hand import fingers, joint_angles
 from sim.pose import SIDES, Pose, Transform
 from sim.scene.rig import mujoco_camera, stereo_rig

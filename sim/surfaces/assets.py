@@ -62,7 +62,7 @@ class Assets:
     def painted(
         self,
         name: str,
-        picture: textures.Picture,
+        picture: textures.Texture,
         specular: float = 0.02,
         shininess: float = 0.1,
         repeat: tuple[float, float] = (1.0, 1.0),

@@ -146,3 +146,15 @@ def ellipsoid(half_m: Floats, sides: int = 18, rings: int = 10) -> Surface:
     grid[..., 2] = np.cos(polar)[:, None]
     grid[[0, -1], :, :2] = 0.0
     return closed_grid(grid * half_m)
+
+
+def limb_ring(radius_m: float, thickness_m: float) -> Surface:
+    """A torus about z."""
+    turn = np.linspace(0, 2 * np.pi, 29)
+    tube = superellipse(8, 2.0)
+    grid = np.empty((len(turn), len(tube), 3))
+    reach = radius_m + thickness_m * tube[:, 0]
+    grid[..., 0] = np.cos(turn)[:, None] * reach
+    grid[..., 1] = np.sin(turn)[:, None] * reach
+    grid[..., 2] = thickness_m * tube[:, 1]
+    return closed_grid(grid)

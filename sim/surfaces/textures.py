@@ -10,7 +10,7 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from sim.specs import RGB
 
-Picture = np.ndarray
+Texture = np.ndarray
 PATTERNS = ("plain", "stripes", "checks")  # of a shirt's cloth
 SURFACES = ("wood", "cloth", "plain")  # of a table
 STRIPES = 18  # bands over a whole shirt: a multiple of 3, as sleeves are cut from a third of it
@@ -23,17 +23,17 @@ def value_noise(rng: np.random.Generator, shape: tuple[int, int], cells: tuple[i
     return np.asarray((fine - fine.mean()) / (fine.std() + 1e-12))
 
 
-def shade(rgb: RGB, luminance: Floats) -> Picture:
+def shade(rgb: RGB, luminance: Floats) -> Texture:
     """A colour times a luminance map (h, w) around 1."""
     return to_bytes(np.array(rgb) * luminance[..., None])
 
 
-def to_bytes(rgb: Floats) -> Picture:
+def to_bytes(rgb: Floats) -> Texture:
     """Linear 0-1 to uint8, clipped."""
     return np.asarray(np.clip(rgb * 255 + 0.5, 0, 255).astype(np.uint8))
 
 
-def plaster(rng: np.random.Generator, rgb: RGB, size: int = 512) -> Picture:
+def plaster(rng: np.random.Generator, rgb: RGB, size: int = 512) -> Texture:
     """A painted wall: grain, trowel marks, a faint unevenness, darker towards floor and ceiling."""
     shape = (size, size)
     grain = rng.standard_normal(shape)
@@ -44,7 +44,7 @@ def plaster(rng: np.random.Generator, rgb: RGB, size: int = 512) -> Picture:
     return shade(rgb, luminance)
 
 
-def wood(rng: np.random.Generator, rgb: RGB, planks: int = 5, size: int = 512) -> Picture:
+def wood(rng: np.random.Generator, rgb: RGB, planks: int = 5, size: int = 512) -> Texture:
     """Planks along the columns of the picture, with grain, rings and dark joints."""
     shape = (size, size)
     luminance = np.ones(shape)
@@ -63,7 +63,7 @@ def wood(rng: np.random.Generator, rgb: RGB, planks: int = 5, size: int = 512) -
     return shade(rgb, luminance)
 
 
-def cloth(rng: np.random.Generator, rgb: RGB, pattern: str = "plain", size: int = 256) -> Picture:
+def cloth(rng: np.random.Generator, rgb: RGB, pattern: str = "plain", size: int = 256) -> Texture:
     """Woven cloth with soft wrinkles, with one of PATTERNS printed on it.
 
     STRIPES bands along the rows, as many checks along the columns: a piece of a whole share of the
@@ -94,7 +94,7 @@ def second_colour(rgb: Floats) -> Floats:
     return np.asarray(0.42 * rgb)
 
 
-def tabletop(rng: np.random.Generator, rgb: RGB, surface: str, size: int = 512) -> Picture:
+def tabletop(rng: np.random.Generator, rgb: RGB, surface: str, size: int = 512) -> Texture:
     """The top of a table, one of SURFACES: planks, a pressed table cloth, or laminate."""
     if surface == "wood":
         return wood(rng, rgb)
@@ -115,7 +115,7 @@ def tabletop(rng: np.random.Generator, rgb: RGB, surface: str, size: int = 512) 
     return shade(rgb, 1 + 0.010 * rng.standard_normal(shape) + specks)
 
 
-def carpet(rng: np.random.Generator, rgb: RGB, size: int = 256) -> Picture:
+def carpet(rng: np.random.Generator, rgb: RGB, size: int = 256) -> Texture:
     """A short-pile carpet."""
     shape = (size, size)
     return shade(
@@ -123,7 +123,7 @@ def carpet(rng: np.random.Generator, rgb: RGB, size: int = 256) -> Picture:
     )
 
 
-def painting(rng: np.random.Generator, size: int = 256, warm: bool = False) -> Picture:
+def painting(rng: np.random.Generator, size: int = 256, warm: bool = False) -> Texture:
     """Hills under a sky, in greens and blues; warm: dunes in the evening, much like skin."""
     v = np.repeat(np.linspace(0, 1, size)[:, None], size, axis=1)
     picture = np.stack([0.45 + 0.3 * v, 0.62 + 0.2 * v, 0.80 - 0.05 * v], axis=-1)

@@ -9,7 +9,7 @@ import pytest
 
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
-from sim.dataset.labeller import Labeller
+from sim.dataset.labels.labeller import Labeller
 from sim.dataset.writer import write_sequence
 from sim.sequence import Simulation
 
@@ -21,7 +21,7 @@ LABELS = ("depth", "seg", "amodal")  # colour, depth, ids, amodal masks, boxes, 
 def simulation():
     overrides = {"frames": FRAMES, "background_frames": 0}
     with Simulation(perform(load_scenario("cross"), 100, overrides)) as opened:
-        opened.shot(0)
+        opened.render(0)
         yield opened
 
 

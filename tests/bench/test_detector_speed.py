@@ -14,7 +14,8 @@ import pytest
 from pjpdaf.camera import Camera
 from pjpdaf.detector.detector import SkinDetector
 from pjpdaf.frames import StereoFrame
-from pjpdaf.presets.parameters import PRESETS
+from pjpdaf.presets.override import with_values
+from pjpdaf.presets.registry import PRESETS
 
 WIDTH, HEIGHT = 640, 480
 K = np.array([[540.0, 0, 319.5], [0, 540.0, 239.5], [0, 0, 1]])
@@ -53,11 +54,11 @@ def detector():
     ids=["thesis preset", "every pixel", "k-means alone", "no shadow rule"],
 )
 def test_one_picture(benchmark, detector, change):
-    parameters = dataclasses.replace(detector.parameters, **change)
+    parameters = with_values(detector.parameters, change)
     variant = dataclasses.replace(detector, parameters=parameters)
     frame = StereoFrame(0, 0.0, (picture(99, True),))
-    (found,) = benchmark(variant, frame)
-    assert len(found) >= 3
+    (blobs,) = benchmark(variant, frame)
+    assert len(blobs) >= 3
 
 
 @pytest.mark.benchmark(group="detector, learning")

@@ -28,7 +28,7 @@ from stonesoup.updater.kalman import KalmanUpdater
 from strategies import DT_S, detections, rig
 
 from pjpdaf.camera import project
-from pjpdaf.presets.parameters import PRESETS
+from pjpdaf.presets.registry import PRESETS
 from pjpdaf.tracker.filter import PJPDAF
 from pjpdaf.tracker.jpda import association_probabilities
 

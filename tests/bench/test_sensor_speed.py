@@ -53,7 +53,7 @@ def played(**changed):
 @pytest.fixture(scope="module")
 def picture():
     with Simulation(played()) as simulation:
-        return simulation.shot(2).frame.pictures[0]
+        return simulation.render(2).frame.pictures[0]
 
 
 @pytest.mark.benchmark(group="sensor, one picture of 640x480")
@@ -71,4 +71,4 @@ def test_the_mean_of_five_pictures(benchmark, picture):
 @pytest.mark.parametrize("effect", OF_A_FRAME)
 def test_a_frame(benchmark, effect):
     with Simulation(played(**OF_A_FRAME[effect])) as simulation:
-        benchmark.pedantic(simulation.shot, args=(2,), rounds=5, warmup_rounds=1)
+        benchmark.pedantic(simulation.render, args=(2,), rounds=5, warmup_rounds=1)

@@ -103,14 +103,14 @@ def test_a_corrupt_picture_is_named_and_missing(folders, capfd):
     (left / "f3.png").write_bytes(whole[: len(whole) // 2])
     (right / "f5.png").write_bytes(b"")
     (right / "f6.png").write_text("not a picture")
-    said: list[str] = []
-    frames = list(stereo_frames(left, right, warn=said.append))
+    messages: list[str] = []
+    frames = list(stereo_frames(left, right, warn=messages.append))
     assert values(frames)[3] is None
     assert values(frames, 1)[3] == 31
     assert values(frames, 1)[5:7] == [None, None]
     assert len(frames) == 12
-    assert len(said) == 3
-    for line, name in zip(said, ("left/f3.png", "right/f5.png", "right/f6.png"), strict=True):
+    assert len(messages) == 3
+    for line, name in zip(messages, ("left/f3.png", "right/f5.png", "right/f6.png"), strict=True):
         assert f"{name}: cannot be read as a picture" in line.replace("\\", "/")
     assert "grfmt" not in capfd.readouterr().err
 
@@ -118,14 +118,14 @@ def test_a_corrupt_picture_is_named_and_missing(folders, capfd):
 def test_a_missing_picture_is_named_and_its_partner_kept(folders):
     left, right = folders
     (right / "f4.png").unlink()
-    said: list[str] = []
-    frames = list(stereo_frames(left, right, warn=said.append))
+    messages: list[str] = []
+    frames = list(stereo_frames(left, right, warn=messages.append))
     assert len(frames) == 12
     assert values(frames, 1)[3:6] == [31, None, 51]
     assert values(frames)[4] == 40
-    assert len(said) == 1
-    assert said[0].startswith("right: no picture belongs to ")
-    assert "f4.png" in said[0]
+    assert len(messages) == 1
+    assert messages[0].startswith("right: no picture belongs to ")
+    assert "f4.png" in messages[0]
 
 
 def test_counts_that_differ_without_common_numbers(tmp_path):
@@ -193,10 +193,10 @@ def test_videos_that_differ(tmp_path):
     left, right = write_video(tmp_path / "l.avi", 8), write_video(tmp_path / "r.avi", 6)
     with pytest.raises(BenchError, match=r"l\.avi has 8 frames, \S+r\.avi 6"):
         stereo_frames(left, right)
-    said: list[str] = []
-    assert len(list(stereo_frames(left, right, warn=said.append, shortest=True))) == 6
-    assert len(said) == 1
-    assert "r.avi: ends after 6 of 6 frames; both views stop here." in said[0]
+    messages: list[str] = []
+    assert len(list(stereo_frames(left, right, warn=messages.append, shortest=True))) == 6
+    assert len(messages) == 1
+    assert "r.avi: ends after 6 of 6 frames; both views stop here." in messages[0]
     fast = write_video(tmp_path / "fast.avi", 8, 10.0)
     with pytest.raises(BenchError, match=r"frame rates differ: \S+l\.avi 5/s, \S+fast\.avi 10/s"):
         stereo_frames(left, fast)
@@ -216,7 +216,7 @@ def test_a_video_cut_short_gives_what_it_has(tmp_path):
     [
         (lambda p: p / "none", "no such file or folder"),
         (lambda p: write(p / "empty", []), "no pictures in this folder"),
-        (lambda p: write(p / "one", ["a.png"]) / "a.png", "one picture is no sequence"),
+        (lambda p: write(p / "one", ["a.png"]) / "a.png", "one picture is not a sequence"),
     ],
 )
 def test_a_source_that_is_none(tmp_path, make, words):

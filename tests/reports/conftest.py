@@ -1,6 +1,8 @@
 """Synthetic episodes: known paths, known estimates, no simulator."""
 
-from collections.abc import Callable, Sequence
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import cv2
@@ -9,7 +11,7 @@ import pytest
 
 from pjpdaf.camera import Camera, project
 from pjpdaf.interfaces import Detections, Estimates
-from reports.score.records import Episode, FrameOutcome, Picture
+from reports.score.records import Episode, FrameOutcome, OverlayPicture
 from sim.truth import Truth, ViewTruth
 
 LEFT_HANDED_TURN = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]])
@@ -81,7 +83,7 @@ def make_episode(
     merged: Callable[[int], Sequence[np.ndarray]] | None = None,
     labels: Callable[[int], tuple[str, ...]] | None = None,
     cameras: tuple[Camera, Camera] | None = None,
-    pictures: tuple[Picture, ...] = (),
+    pictures: tuple[OverlayPicture, ...] = (),
     stage_s: dict[str, float] | None = None,
 ) -> Episode:
     """An episode with the given truth and estimates (F, 3, 3) [m]; NaN: waiting."""
@@ -155,3 +157,48 @@ def tools() -> Any:
         picture=make_picture,
         seen=seen_in,
     )
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """One Chromium for the tests of a module."""
+    chromium = shutil.which("chromium")
+    if chromium is None:
+        pytest.skip("no chromium on PATH")
+    sync_api = pytest.importorskip("playwright.sync_api")
+    switches = "no-sandbox disable-quic disable-background-networking disable-component-update"
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=chromium,
+            args=[f"--{name}" for name in [*switches.split(), "disable-webgl"]],
+        )
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def opened(browser: Any) -> Callable[..., Any]:
+    """A page in the browser, whose complaints and requests to a network fail the test."""
+
+    @contextmanager
+    def opened(
+        path: Any,
+        ready: str,
+        schemes: tuple[str, ...] = ("file:", "data:", "blob:"),
+        **settings: Any,
+    ) -> Iterator[Any]:
+        complaints: list[str] = []
+        requests: list[str] = []
+        view = browser.new_page(**settings)
+        view.set_default_timeout(120_000)  # a busy machine is no fault of the page
+        view.on("console", lambda m: complaints.append(m.text) if m.type == "error" else None)
+        view.on("pageerror", lambda e: complaints.append(str(e)))
+        view.on("request", lambda r: requests.append(r.url))
+        view.goto(path.as_uri())
+        view.wait_for_selector(ready)
+        yield view
+        view.close()
+        assert complaints == []
+        assert all(url.startswith(schemes) for url in requests)
+
+    return opened

@@ -5,6 +5,7 @@ import importlib.util
 import os
 import re
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ import pytest
 from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.interfaces import Estimates
 from reports.footage.tracks import TrackWriter
-from reports.pictures.film import Film
+from reports.pictures.film import FilmWriter
 from scenarios.console.folder import written_whole
 from sim.files import disk_faults, write_fault, written_whole_file
 
@@ -70,7 +71,7 @@ def test_tracks_on_a_full_disk(tmp_path):
     (tmp_path / "tracks.csv").symlink_to(FULL)
     with (
         pytest.raises(InfrastructureError, match="cannot write the tracks: No space left"),
-        TrackWriter(tmp_path, ()) as tracks,
+        closing(TrackWriter(tmp_path, ())) as tracks,
     ):
         tracks.add(0, 0.0, Estimates.waiting())
 
@@ -80,7 +81,7 @@ def test_a_library_that_counts_in_its_own_errors(tmp_path):
     (tmp_path / "tracks.parquet").symlink_to(FULL)
     with (
         pytest.raises(InfrastructureError, match=r"the tracks: No space left on device\."),
-        TrackWriter(tmp_path, ()),
+        closing(TrackWriter(tmp_path, ())),
     ):
         pass
 
@@ -92,11 +93,11 @@ def test_a_film_on_a_full_disk_is_removed(tmp_path):
     noise = np.random.default_rng(0).integers(0, 255, (30, 240, 320, 3)).astype(np.uint8)
 
     def write(film):
-        with film:
+        with closing(film):
             for picture in noise:
                 film.add(picture)
 
-    film = Film(tmp_path, "film", 3.0)
+    film = FilmWriter(tmp_path, "film", 3.0)
     with pytest.raises(InfrastructureError, match=r"/film\.mp4: cannot write the film: No space"):
         write(film)
     assert film.path is None
@@ -105,7 +106,7 @@ def test_a_film_on_a_full_disk_is_removed(tmp_path):
 
 def test_a_name_with_dots_keeps_them(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "av", None)
-    with Film(tmp_path, "my.film", 3.0) as film:
+    with closing(FilmWriter(tmp_path, "my.film", 3.0)) as film:
         film.add(np.zeros((64, 64, 3), np.uint8))
     assert film.path == tmp_path / "my.film.webm"
     assert names(tmp_path) == ["my.film.webm"]

@@ -19,7 +19,7 @@ def run(code, **environment):
         env={**os.environ, **environment},
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=600,
     )
     return done.stdout.strip(), done.stderr.strip()
 
@@ -95,7 +95,7 @@ def test_without_libraries_the_error_names_what_to_install():
     )
     environment = {k: v for k, v in os.environ.items() if k != "MUJOCO_GL"}
     done = subprocess.run(
-        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=60
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=600
     )
     first, second = done.stdout.strip().splitlines()
     assert first == "disabled mujoco"

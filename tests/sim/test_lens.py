@@ -4,10 +4,11 @@ import cv2
 import numpy as np
 import pytest
 
-from pjpdaf.camera import undistort_points
+from pjpdaf.camera import Camera, distort_points, undistort_points
 from sim.camera.render import StereoRenderer
 from sim.gl import load_mujoco
-from sim.lens import check, finer, ideal_pixels, lens_of
+from sim.lens import check, finer, ideal_pixels, lens_of, real_pixels
+from sim.randomness import generator
 from sim.scene.rig import stereo_rig
 from sim.scene.world import compiled
 from sim.specs import RigSpec
@@ -124,3 +125,28 @@ def test_every_pixel_has_a_place_in_the_ideal_picture():
     assert (high <= [width - 1, height - 1]).all()
     assert 0 <= lens.corners.min() <= lens.corners.max() < width * height
     np.testing.assert_allclose(lens.weights.sum(axis=0), 1.0, atol=1e-12)
+
+
+BENT = (-0.2, 0.05, 0.001, -0.0008)
+COEFFICIENTS = {
+    4: BENT,
+    5: (*BENT, -0.01),
+    8: (*BENT, -0.01, 0.02, -0.01, 0.003),
+    12: (*BENT, -0.01, 0.02, -0.01, 0.003, 0.001, -0.002, 0.0015, 0.001),
+    14: (*BENT, -0.01, 0.02, -0.01, 0.003, 0.001, -0.002, 0.0015, 0.001, 0.01, -0.02),
+}
+
+
+@pytest.mark.parametrize("count", COEFFICIENTS)
+def test_the_lens_is_opencvs(count):
+    K = np.array([[540.0, 0, 322.0], [0, 531.0, 236.0], [0, 0, 1]])
+    camera = Camera(K, np.eye(3), np.zeros(3), 640, 480, np.array(COEFFICIENTS[count]))
+    lens = lens_of(camera)
+    rng = generator(100, "lens")
+    at = rng.uniform((0, 0), (640, 480), (2000, 2)).astype(np.float32)
+    x, y = real_pixels(camera, lens, at[:, 0], at[:, 1])
+    np.testing.assert_allclose(np.column_stack([x, y]), distort_points(camera, at), atol=5e-4)
+    # Beyond the ideal picture nothing is claimed.
+    low = K[:2, 2] - lens.ideal.K[:2, 2]
+    beyond = np.array([low - 1, low + np.array([lens.ideal.width_px, 0])], np.float32)
+    assert np.isnan(real_pixels(camera, lens, beyond[:, 0], beyond[:, 1])).all()

@@ -6,18 +6,29 @@ import random
 import signal
 import threading
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from commands import worker_pids
 
-from sim.processes import ATTEMPTS, Answer, Lost, Workers
+from sim.processes import ATTEMPTS, Answer, Lost, WorkerPool
 
 
-def outcomes(function, tasks, workers=2, limit_s=60.0, **words):
-    with Workers(workers) as pool:
-        found = [one for one in pool.outcomes(function, tasks, limit_s, **words) if one]
-    assert not multiprocessing.active_children()
-    return dict(found)
+@pytest.fixture(autouse=True)
+def others():
+    """Child processes that are not those of the test; these are gone at its end."""
+    before = set(multiprocessing.active_children())
+    yield before
+    assert set(multiprocessing.active_children()) <= before
+
+
+def outcomes(function, tasks, workers=2, limit_s=60.0, **options):
+    before = set(multiprocessing.active_children())
+    with WorkerPool(workers) as pool:
+        outcomes = [pair for pair in pool.outcomes(function, tasks, limit_s, **options) if pair]
+    assert set(multiprocessing.active_children()) <= before
+    return dict(outcomes)
 
 
 def double(x):
@@ -97,13 +108,42 @@ def test_what_a_task_raises_comes_out():
         outcomes(fails, {n: n for n in range(4)})
     with pytest.raises(RuntimeError, match="its answer cannot be sent"):
         outcomes(cannot_be_sent, {0: 0})
-    assert not multiprocessing.active_children()
+
+
+def answers(task):
+    return task
+
+
+class SlowToArrive:
+    """A task that takes a second to be unpickled in the worker, as imports do."""
+
+    def __reduce__(self):
+        return time.sleep, (1.0,)
+
+
+def test_the_limit_is_of_the_task_alone():
+    found = outcomes(answers, {0: SlowToArrive()}, limit_s=0.5)
+    assert found == {0: Answer(None)}
+
+
+def test_it_goes_on_after_an_exception_and_after_it_was_closed():
+    with WorkerPool(2) as pool:
+        with pytest.raises(KeyError, match="one"):
+            list(pool.outcomes(fails, {n: n for n in range(4)}, 60.0))
+        again = dict(pair for pair in pool.outcomes(double, {0: 1, 1: 2}, 60.0) if pair)
+        assert again == {0: Answer(2), 1: Answer(4)}
+        unfinished = pool.outcomes(hangs, {n: n for n in range(4)}, 60.0)
+        next(pair for pair in unfinished if pair)
+        unfinished.close()
+        pool.close()
+        last = dict(pair for pair in pool.outcomes(double, {5: 1}, 60.0) if pair)
+        assert last == {5: Answer(2)}
 
 
 def test_a_worker_is_replaced_after_so_many_tasks():
-    with Workers(1, tasks_each=2) as pool:
-        found = [one for one in pool.outcomes(pid, dict.fromkeys(range(6)), 60.0) if one]
-    pids = [said.value for _, said in found]
+    with WorkerPool(1, tasks_per_worker=2) as pool:
+        pairs = [pair for pair in pool.outcomes(pid, dict.fromkeys(range(6)), 60.0) if pair]
+    pids = [answer.value for _, answer in pairs]
     assert len(set(pids)) == 3
     assert all(pids.count(one) == 2 for one in pids)
 
@@ -112,18 +152,21 @@ def test_a_task_may_start_processes_of_its_own():
     assert outcomes(starts_a_process, {0: 0}) == {0: Answer(0)}
 
 
-def test_workers_killed_at_random_moments_lose_no_answer():
+def test_workers_killed_at_random_moments_lose_no_answer(others):
     """While they start, wait, work, and in the middle of their answers."""
+    before = {process.pid for process in others}
     rng, over = random.Random(1), threading.Event()
 
     def killer():
         while not over.wait(rng.uniform(0.05, 0.5)):
-            children = multiprocessing.active_children()
-            if children:
-                rng.choice(children).kill()
+            # Not by active_children(): it waits for a child in this thread, beside the pool.
+            pids = [pid for pid in worker_pids(os.getpid()) if pid not in before]
+            if pids:
+                with suppress(ProcessLookupError):
+                    os.kill(rng.choice(pids), signal.SIGKILL)
 
     thread = threading.Thread(target=killer)
-    with Workers(2) as pool:
+    with WorkerPool(2) as pool:
         thread.start()
         try:
             tasks = {n: n for n in range(60)}

@@ -1,1 +1,1 @@
-"""What `sim.dataset.verify` looks at: one module a noun, each computed from the files alone."""
+"""Checks of a data set from its files alone: a module per kind of file or label."""

@@ -1,4 +1,4 @@
-"""events.json against the rows that it sums up, frame by frame."""
+"""events.json against the rows of the tables that it sums up, frame by frame."""
 
 from __future__ import annotations
 
@@ -7,73 +7,75 @@ from itertools import combinations
 from typing import Any
 
 from pjpdaf.targets import LEFT_HAND, RIGHT_HAND, TARGETS
-from sim.dataset.check.fault import Claim, Fault
-from sim.dataset.check.told import Told
-from sim.dataset.events import LEAST_HIDDEN
-from sim.dataset.layout import EVENTS
+from sim.dataset.check.fault import Fault, FrameFault
+from sim.dataset.check.frame_tables import FrameTables
+from sim.dataset.files.layout import EVENTS
+from sim.dataset.labels.events import LEAST_HIDDEN
 from sim.scene.world import CAMERAS
 
-Facts = set[tuple[int, str]]  # frame, what happens in it
+FrameEvents = set[tuple[int, str]]  # frame index, name of the event
+_KINDS = ("merges", "splits", "ambiguous", "occlusions", "script")
+_BOTH_HANDS = "both hands"
 
 
-def event_faults(name: str, told: list[Told], events: Mapping[str, Any]) -> Iterator[Claim | Fault]:
-    """What events.json says that the rows do not, and the other way round."""
+def check_events(
+    name: str, tables: list[FrameTables], events: Mapping[str, Any]
+) -> Iterator[Fault | FrameFault]:
+    """Compare the intervals of events.json with the events in the rows of a sequence."""
     file = f"{name}/{EVENTS}"
     try:
-        said = {kind: _said(kind, events[kind], len(told)) for kind in _KINDS}
+        listed = {kind: _listed(kind, events[kind], len(tables)) for kind in _KINDS}
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        yield Fault(file, f"is not lists of intervals of {len(told)} frames: {error!r}")
+        yield Fault(file, f"is not lists of intervals of {len(tables)} frames: {error!r}")
         return
-    for kind, found in _found(told).items():
-        for frame, what in sorted(said[kind] - found):
-            yield Claim(file, kind, frame, f"{what}: the truth's rows do not say so")
-        for frame, what in sorted(found - said[kind]):
-            yield Claim(file, kind, frame, f"{what}: missing")
+    for kind, computed in _computed(tables).items():
+        for frame, event in sorted(listed[kind] - computed):
+            yield FrameFault(file, kind, frame, f"{event}: the truth's rows do not say so")
+        for frame, event in sorted(computed - listed[kind]):
+            yield FrameFault(file, kind, frame, f"{event}: missing")
 
 
-_KINDS = ("merges", "splits", "ambiguous", "occlusions", "script")
-
-
-def _said(kind: str, listed: Iterable[Mapping[str, Any]], frames: int) -> Facts:
-    facts: Facts = set()
-    for one in listed:
+def _listed(kind: str, intervals: Iterable[Mapping[str, Any]], frames: int) -> FrameEvents:
+    """The events of a list of events.json. Raises ValueError for an interval that is not."""
+    events: FrameEvents = set()
+    for interval in intervals:
         if kind == "splits":
-            first = last = one["frame_index"]
+            first = last = interval["frame_index"]
         else:
-            first, last = one["first_frame"], one["last_frame"]
+            first, last = interval["first_frame"], interval["last_frame"]
         if not 0 <= first <= last < frames:
             raise ValueError(f"{kind}: frames {first} to {last}")
-        facts |= {(frame, _name(kind, one)) for frame in range(first, last + 1)}
-    return facts
+        events |= {(frame, _name(kind, interval)) for frame in range(first, last + 1)}
+    return events
 
 
-def _name(kind: str, one: Mapping[str, Any]) -> str:
+def _name(kind: str, interval: Mapping[str, Any]) -> str:
     if kind in ("merges", "splits"):
-        return f"{one['view']} {'+'.join(one['targets'])}"
+        return f"{interval['view']} {'+'.join(interval['targets'])}"
     if kind == "occlusions":
-        return f"{one['view']} {one['target']} by {one['by']}"
-    return str(one["event"]) if kind == "script" else "both hands"
+        return f"{interval['view']} {interval['target']} by {interval['by']}"
+    return str(interval["event"]) if kind == "script" else _BOTH_HANDS
 
 
-def _found(told: list[Told]) -> dict[str, Facts]:
-    facts: dict[str, Facts] = {kind: set() for kind in _KINDS}
-    for i, frame in enumerate(told):
+def _computed(tables: list[FrameTables]) -> dict[str, FrameEvents]:
+    """The events of each kind that the rows of the tables show."""
+    events: dict[str, FrameEvents] = {kind: set() for kind in _KINDS}
+    for i, frame in enumerate(tables):
         views = frame.truth.views
         for view, camera in enumerate(CAMERAS):
             for a, b in combinations(range(len(TARGETS)), 2):
-                what = f"{camera} {TARGETS[a]}+{TARGETS[b]}"
+                pair = f"{camera} {TARGETS[a]}+{TARGETS[b]}"
                 if views[view].merged[a, b]:
-                    facts["merges"].add((i, what))
-                elif i > 0 and told[i - 1].truth.views[view].merged[a, b]:
-                    facts["splits"].add((i, what))
+                    events["merges"].add((i, pair))
+                elif i > 0 and tables[i - 1].truth.views[view].merged[a, b]:
+                    events["splits"].add((i, pair))
             for t, row in enumerate(frame.rows):
-                whole = max(int(views[view].amodal_px[t]), 1)
-                for one in row[f"occluded_by_{camera}"]:
-                    if one["pixels"] / whole >= LEAST_HIDDEN and one["instance"] != "nothing":
-                        what = f"{camera} {TARGETS[t]} by {one['instance']}"
-                        facts["occlusions"].add((i, what))
+                amodal_px = max(int(views[view].amodal_px[t]), 1)
+                for by in row[f"occluded_by_{camera}"]:
+                    if by["pixels"] / amodal_px >= LEAST_HIDDEN and by["instance"] != "nothing":
+                        name = f"{camera} {TARGETS[t]} by {by['instance']}"
+                        events["occlusions"].add((i, name))
         if all(view.merged[RIGHT_HAND, LEFT_HAND] for view in views):
-            facts["ambiguous"].add((i, "both hands"))
-        script = (event for event in frame.truth.events if not event.startswith("merge:"))
-        facts["script"] |= {(i, event) for event in script}
-    return facts
+            events["ambiguous"].add((i, _BOTH_HANDS))
+        events["script"] |= {(i, event) for event in frame.truth.script_events}
+    return events

@@ -1,4 +1,4 @@
-"""The files of a data set: which are there, which should be, whether their checksums hold."""
+"""The files of a data set: present, missing, superfluous or damaged."""
 
 from __future__ import annotations
 
@@ -6,37 +6,35 @@ import os
 import stat
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
-from pjpdaf.errors import BenchError
-from sim.dataset.check.fault import MISSING, Fault, fault_of
-from sim.dataset.checksums import read_sums, sha256_of
-from sim.dataset.layout import CHECKSUMS, LABELS, picture_name
+from sim.dataset.check.fault import MISSING, Fault, FaultLog
+from sim.dataset.files.checksums import read_sums, sha256_of
+from sim.dataset.files.layout import CHECKSUMS, LABELS, picture_name
 from sim.scene.world import CAMERAS
-
-PICTURES = (*CAMERAS, *(f"background_{camera}" for camera in CAMERAS))
 
 
 @dataclass(frozen=True)
-class Tree:
-    """plain: the plain files below a folder, by relative path; odd: what is neither file nor folder
-    (links, pipes): never opened.
+class FileTree:
+    """Files below a folder, by relative path. plain: plain files; special: links, pipes and the
+    like, which are never opened.
     """
 
     root: Path
     plain: frozenset[str]
-    odd: frozenset[str]
+    special: frozenset[str]
 
     def names(self, folder: str) -> set[str]:
-        """Names of the plain files right in a folder."""
+        """Names of the plain files directly in a folder."""
         start = f"{folder}/"
         inside = (path.removeprefix(start) for path in self.plain if path.startswith(start))
         return {name for name in inside if "/" not in name}
 
 
-def tree_of(root: Path) -> Tree:
+def tree_of(root: Path) -> FileTree:
     """All files below a folder; links are not followed."""
-    plain, odd = set(), set()
+    plain, special = set(), set()
     for where, folders, files in os.walk(root):
         for name in (*folders, *files):
             path = Path(where, name)
@@ -44,46 +42,42 @@ def tree_of(root: Path) -> Tree:
             if stat.S_ISREG(mode):
                 plain.add(path.relative_to(root).as_posix())
             elif not stat.S_ISDIR(mode):
-                odd.add(path.relative_to(root).as_posix())
-    return Tree(root, frozenset(plain), frozenset(odd))
+                special.add(path.relative_to(root).as_posix())
+    return FileTree(root, frozenset(plain), frozenset(special))
 
 
 @dataclass(frozen=True)
-class Sums:
-    """digests: path -> SHA-256 as the files SHA256SUMS have it; faults: of these files."""
+class Checksums:
+    """digests: path -> SHA-256 in the files SHA256SUMS, of which two may name the same path."""
 
     digests: Mapping[str, frozenset[str]]
-    faults: tuple[Fault, ...]
 
 
-def sums_of(tree: Tree, folders: Collection[str]) -> Sums:
-    """What the top level's SHA256SUMS says, if there is one, and those of these folders."""
+def read_checksums(tree: FileTree, folders: Collection[str], log: FaultLog) -> Checksums:
+    """Read SHA256SUMS of these folders, and of the top level if there is one."""
     digests: dict[str, set[str]] = {}
-    faults = []
     for folder in ("", *folders):
         path = f"{folder}/{CHECKSUMS}" if folder else CHECKSUMS
         if path not in tree.plain:
             if folder:
-                faults.append(Fault(path, MISSING))
+                log.add("files", [Fault(path, MISSING)])
             continue
-        try:
-            listed = read_sums(tree.root / path)
-        except BenchError as error:
-            faults.append(fault_of(error, tree.root))
-            continue
-        for name, digest in listed.items():
+        listed = log.read(partial(read_sums, tree.root / path))
+        for name, digest in (listed or {}).items():
             digests.setdefault(f"{folder}/{name}" if folder else name, set()).add(digest)
-    return Sums({path: frozenset(found) for path, found in digests.items()}, tuple(faults))
+    return Checksums({path: frozenset(both) for path, both in digests.items()})
 
 
-def listing_faults(tree: Tree, sums: Sums, folders: Collection[str]) -> Iterator[Fault]:
-    """Files that are listed and missing, there and not listed, or no files."""
-    for path in sorted(tree.odd):
+def check_listing(
+    tree: FileTree, checksums: Checksums, folders: Collection[str]
+) -> Iterator[Fault]:
+    """Check that the plain files are those that the checksums list."""
+    for path in sorted(tree.special):
         yield Fault(path, "is a link or a special file; a data set has only plain files")
-    for path in sorted(set(sums.digests) - tree.plain - tree.odd):
+    for path in sorted(set(checksums.digests) - tree.plain - tree.special):
         yield Fault(path, MISSING)
     whole = CHECKSUMS in tree.plain
-    for path in sorted(tree.plain - set(sums.digests)):
+    for path in sorted(tree.plain - set(checksums.digests)):
         folder, _, name = path.rpartition("/")
         if name == CHECKSUMS and (not folder or folder in folders):
             continue
@@ -92,41 +86,42 @@ def listing_faults(tree: Tree, sums: Sums, folders: Collection[str]) -> Iterator
             yield Fault(path, f"is listed in no {CHECKSUMS}")
 
 
-def damaged(tree: Tree, sums: Sums, paths: Collection[str]) -> Iterator[Fault]:
-    """Those of the files that are not what the lists say."""
+def check_digests(tree: FileTree, checksums: Checksums, paths: Collection[str]) -> Iterator[Fault]:
+    """Check the SHA-256 of these files."""
     for path in sorted(paths):
-        wanted = sums.digests.get(path)
+        wanted = checksums.digests.get(path)
         if wanted is None or path not in tree.plain:
             continue
         try:
-            found = sha256_of(tree.root / path)
+            digest = sha256_of(tree.root / path)
         except OSError as error:
             yield Fault(path, f"cannot be read: {error.strerror}")
             continue
-        if wanted != {found}:
+        if wanted != {digest}:
             yield Fault(path, f"is not the file that {CHECKSUMS} names (its SHA-256 differs)")
 
 
-def completeness_faults(
-    tree: Tree,
+def check_completeness(
+    tree: FileTree,
     name: str,
     frames: int,
     backgrounds: int,
     labels: Collection[str],
     arrived: Sequence[Sequence[bool]] | None,
 ) -> Iterator[Fault]:
-    """Pictures and labels of a sequence that are missing, or are of no frame.
+    """Check that every frame has its pictures and labels, and that no file is superfluous.
 
-    arrived: per frame and view, None where that is not known.
+    arrived: per frame and view, None where the tables are damaged.
     """
     for v, camera in enumerate(CAMERAS):
         wanted = {picture_name(i) for i in range(backgrounds)}
-        yield from _compared(tree, f"{name}/background_{camera}", wanted, "of no background frame")
-        came = [arrived is None or arrived[i][v] for i in range(frames)]
-        wanted = {picture_name(i) for i in range(frames) if came[i]}
+        folder = f"{name}/background_{camera}"
+        yield from _differences(folder, wanted, tree.names(folder), "of no background frame")
+        has_picture = [arrived is None or arrived[i][v] for i in range(frames)]
+        wanted = {picture_name(i) for i in range(frames) if has_picture[i]}
         there = tree.names(f"{name}/{camera}")
         for i in range(frames):
-            if not came[i] and picture_name(i) in there:
+            if not has_picture[i] and picture_name(i) in there:
                 there.remove(picture_name(i))
                 yield Fault(
                     f"{name}/{camera}/{picture_name(i)}",
@@ -137,21 +132,24 @@ def completeness_faults(
         suffix = ".npz" if label == "float" else ".png"
         named = label in labels
         wanted = {picture_name(i, suffix) for i in range(frames)} if named else set()
-        without = "of no frame" if named else "of a label that manifest.json does not name"
+        superfluous = "of no frame" if named else "of a label that manifest.json does not name"
         for folder in folders:
-            yield from _compared(tree, f"{name}/{folder}", wanted, without)
+            path = f"{name}/{folder}"
+            yield from _differences(path, wanted, tree.names(path), superfluous)
 
 
-def twice_faults(tree: Tree, name: str, sums: Sums) -> Iterator[Fault]:
-    """Pictures that are those of another frame byte for byte, where the masks are not."""
+def check_repetition(tree: FileTree, name: str, checksums: Checksums) -> Iterator[Fault]:
+    """Check that no picture repeats another frame's byte for byte where the masks differ."""
     for camera in CAMERAS:
         first: dict[frozenset[str], str] = {}
         for file in sorted(tree.names(f"{name}/{camera}")):
-            digest = sums.digests.get(f"{name}/{camera}/{file}")
+            digest = checksums.digests.get(f"{name}/{camera}/{file}")
             if digest is None:
                 continue
             other = first.setdefault(digest, file)
-            masks = [sums.digests.get(f"{name}/seg_{camera}/{one}") for one in (file, other)]
+            masks = [
+                checksums.digests.get(f"{name}/seg_{camera}/{name_}") for name_ in (file, other)
+            ]
             if masks[0] is not None and masks[0] != masks[1]:
                 yield Fault(
                     f"{name}/{camera}/{file}",
@@ -159,12 +157,10 @@ def twice_faults(tree: Tree, name: str, sums: Sums) -> Iterator[Fault]:
                 )
 
 
-def _compared(tree: Tree, folder: str, wanted: set[str], without: str) -> Iterator[Fault]:
-    yield from _differences(folder, wanted, tree.names(folder), without)
-
-
-def _differences(folder: str, wanted: set[str], there: set[str], without: str) -> Iterator[Fault]:
+def _differences(
+    folder: str, wanted: set[str], there: set[str], superfluous: str
+) -> Iterator[Fault]:
     for name in sorted(wanted - there):
         yield Fault(f"{folder}/{name}", MISSING)
     for name in sorted(there - wanted):
-        yield Fault(f"{folder}/{name}", f"is {without}")
+        yield Fault(f"{folder}/{name}", f"is {superfluous}")

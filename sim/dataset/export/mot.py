@@ -5,39 +5,41 @@ Frames, ids and boxes count from 1; ids are 1 head, 2 right hand, 3 left hand; t
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-from sim.dataset.export.folder import files_of, replaced_folder, sequences_of
-from sim.dataset.export.rows import Frame, box_of, frames_of
-from sim.dataset.reader import Dataset, Sequence
+from sim.dataset.export.export import AddSequence, Export
+from sim.dataset.frame_rows import FrameRows, box_of, read_frame_rows
+from sim.dataset.reader import Dataset
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
-FOLDER = "mot"
-CLASS = 1  # "pedestrian": the only one that MOTChallenge's readers score
+CLASS = 1  # "pedestrian": the only class that MOTChallenge's readers score
 
 
-def export(
-    dataset: Dataset, into: Path, on_sequence: Callable[[str], None] = lambda name: None
-) -> list[Path]:
-    """Write `mot/<sequence>-<camera>/` and `mot/seqmaps/all.txt`; see `registry.Export`."""
-    folder = into / FOLDER
-    with replaced_folder(folder, "MOTChallenge's files") as part:
-        names = []
-        for sequence in sequences_of(dataset):
-            frames = frames_of(sequence)
-            for view, camera in enumerate(CAMERAS):
-                name = f"{sequence.name}-{camera}"
-                names.append(name)
-                _write(part / name / "seqinfo.ini", _seqinfo(sequence, view))
-                _write(part / name / "gt" / "gt.txt", _boxes(frames, camera))
-                _write(part / name / "gt" / "gt_3d.txt", _positions(frames, camera))
-            on_sequence(sequence.name)
-        _write(part / "seqmaps" / "all.txt", "".join(f"{name}\n" for name in ["name", *names]))
-    return files_of(folder)
+@contextmanager
+def write_mot(dataset: Dataset, folder: Path) -> Iterator[AddSequence]:
+    """Write `<sequence>-<camera>/` and `seqmaps/all.txt`."""
+    names = []
+
+    def add(sequence: StoredSequence) -> None:
+        frames = read_frame_rows(sequence)
+        for view, camera in enumerate(CAMERAS):
+            name = f"{sequence.name}-{camera}"
+            names.append(name)
+            _write(folder / name / "seqinfo.ini", _seqinfo(sequence, view))
+            _write(folder / name / "gt" / "gt.txt", _boxes(frames, camera))
+            _write(folder / name / "gt" / "gt_3d.txt", _positions(frames, camera))
+
+    yield add
+    _write(folder / "seqmaps" / "all.txt", "".join(f"{name}\n" for name in ["name", *names]))
 
 
-def _boxes(frames: list[Frame], camera: str) -> str:
+export = Export("mot", "MOTChallenge's files", write_mot)
+
+
+def _boxes(frames: list[FrameRows], camera: str) -> str:
     """A line for each target that a picture shows."""
     lines = []
     for frame in frames:
@@ -49,8 +51,8 @@ def _boxes(frames: list[Frame], camera: str) -> str:
     return "".join(lines)
 
 
-def _positions(frames: list[Frame], camera: str) -> str:
-    """A line for each target in each frame: x, y, z [m]; hidden ones have no box, and active 0."""
+def _positions(frames: list[FrameRows], camera: str) -> str:
+    """A line for each target in each frame: x, y, z [m]; hidden targets: no box, active 0."""
     lines = []
     for frame in frames:
         for number, row in enumerate(frame.targets, 1):
@@ -61,7 +63,7 @@ def _positions(frames: list[Frame], camera: str) -> str:
     return "".join(lines)
 
 
-def _corner(frame: Frame, number: int, camera: str) -> str | None:
+def _corner(frame: FrameRows, number: int, camera: str) -> str | None:
     """left,top,width,height counted from 1, None where no picture shows the target."""
     box = box_of(frame.targets[number - 1], camera) if frame.arrived[camera] else None
     if box is None:
@@ -70,7 +72,7 @@ def _corner(frame: Frame, number: int, camera: str) -> str | None:
     return f"{left + 1:g},{top + 1:g},{width:g},{height:g}"
 
 
-def _seqinfo(sequence: Sequence, view: int) -> str:
+def _seqinfo(sequence: StoredSequence, view: int) -> str:
     camera, size = CAMERAS[view], sequence.rig.cameras[view]
     return (
         "[Sequence]\n"

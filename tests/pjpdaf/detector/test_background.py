@@ -1,4 +1,4 @@
-"""Background: circular hue, floors, false foreground, shadows, files."""
+"""Background: circular hue, floors, false foreground, shadows."""
 
 from __future__ import annotations
 
@@ -11,16 +11,14 @@ from hypothesis import strategies as st
 from pjpdaf.detector.background import (
     UNIFORM_SD_DEG,
     Background,
-    foreground_mask,
+    BackgroundParameters,
+    BackgroundSums,
+    BackgroundTest,
     is_foreground,
-    learn_background,
-    load_backgrounds,
     prepare,
-    save_backgrounds,
 )
 from pjpdaf.detector.skin import HUE_STEP_DEG, to_hsv
 from pjpdaf.errors import BenchError
-from pjpdaf.presets.parameters import DetectorParameters
 
 
 def colour(hue_deg: float, saturation: float, value: float) -> np.ndarray:
@@ -41,22 +39,27 @@ def scene() -> np.ndarray:
     return picture
 
 
-def default_test(background: Background, **changes: float):
-    p = DetectorParameters()
-    values = {
-        "threshold": p.background_threshold,
-        "hue_sd_floor_deg": p.hue_sd_floor_deg,
-        "sat_sd_floor": p.sat_sd_floor,
-        "val_sd_floor": p.val_sd_floor,
-        "shadow_min": p.shadow_min,
-    }
-    return prepare(background, **(values | changes))
+def learn(pictures, frames_min: int = 2) -> Background:
+    sums = BackgroundSums()
+    for picture in pictures:
+        sums.add(picture)
+    return sums.result(frames_min)
+
+
+def prepared(background: Background, **changes: float) -> BackgroundTest:
+    return prepare(background, BackgroundParameters(**changes))
+
+
+def foreground(test: BackgroundTest, picture: np.ndarray) -> np.ndarray:
+    """Foreground of a whole picture, bool (h, w)."""
+    at = np.arange(picture.shape[0] * picture.shape[1])
+    return is_foreground(test, to_hsv(picture), at).reshape(picture.shape[:2])
 
 
 def test_mean_and_deviation_are_those_of_the_pixels():
     rng = np.random.default_rng(0)
     pictures = [noisy(scene(), rng) for _ in range(12)]
-    background = learn_background(pictures)
+    background = learn(pictures)
     hsv = np.array([to_hsv(p) for p in pictures]).astype(float)
     np.testing.assert_allclose(background.mean[..., 1:], hsv[..., 1:].mean(0) / 255, atol=1e-6)
     sd = hsv[..., 1:].std(0, ddof=1) / 255
@@ -70,7 +73,7 @@ def test_mean_and_deviation_are_those_of_the_pixels():
 
 def test_hue_that_crosses_zero_is_narrow_and_grey_hue_is_uniform():
     rng = np.random.default_rng(1)
-    background = learn_background(noisy(scene(), rng) for _ in range(20))
+    background = learn(noisy(scene(), rng) for _ in range(20))
     red = background.mean[60:, 80:, 0]
     assert np.abs((red + 180) % 360 - 180).max() < 4
     assert background.sd[60:, 80:, 0].max() < 6
@@ -87,7 +90,7 @@ def test_hue_statistics_turn_with_the_hue(turn, hues):
         # Colours whose hue survives the conversion to BGR and back: saturated and bright.
         hsv = np.array([[[[(h + shift) % 256, 255, 255]]] for h in hues], np.uint8)
         pictures = [cv2.cvtColor(x, cv2.COLOR_HSV2BGR_FULL) for x in hsv]
-        background = learn_background(pictures)
+        background = learn(pictures)
         return float(background.mean[0, 0, 0]), float(background.sd[0, 0, 0])
 
     mean, sd = learnt(0)
@@ -100,41 +103,40 @@ def test_hue_statistics_turn_with_the_hue(turn, hues):
 @pytest.mark.parametrize(("frames", "most"), [(10, 0.005), (20, 0.003)])
 def test_false_foreground(frames, most):
     rng = np.random.default_rng(2)
-    test = default_test(learn_background(noisy(scene(), rng) for _ in range(frames)))
-    rate = np.mean([(foreground_mask(test, noisy(scene(), rng)) > 0).mean() for _ in range(5)])
+    test = prepared(learn(noisy(scene(), rng) for _ in range(frames)))
+    rate = np.mean([foreground(test, noisy(scene(), rng)).mean() for _ in range(5)])
     # Chi-square alone would give 0.001 at this threshold; the dark corner has heavier tails.
     assert rate < most
 
 
 def test_without_floors_and_with_few_frames_it_is_much_worse():
     rng = np.random.default_rng(3)
-    background = learn_background(noisy(scene(), rng) for _ in range(3))
-    raw = prepare(background, 16.27, 1e-3, 1e-4, 1e-4)
-    rate = (foreground_mask(raw, noisy(scene(), rng)) > 0).mean()
+    background = learn(noisy(scene(), rng) for _ in range(3))
+    floors = {"hue_sd_floor_deg": 1e-3, "sat_sd_floor": 1e-4, "val_sd_floor": 1e-4}
+    raw = prepared(background, shadow_min=1.0, **floors)
+    rate = foreground(raw, noisy(scene(), rng)).mean()
     assert rate > 0.02
 
 
 def test_skin_on_every_background_is_foreground():
     rng = np.random.default_rng(4)
-    test = default_test(learn_background(noisy(scene(), rng) for _ in range(12)))
+    test = prepared(learn(noisy(scene(), rng) for _ in range(12)))
     hands = scene()
     hands[20:100, 60:100] = colour(18, 0.45, 0.8)
-    mask = foreground_mask(test, noisy(hands, rng))
-    assert (mask[20:100, 60:100] > 0).mean() > 0.999
+    far = foreground(test, noisy(hands, rng))
+    assert far[20:100, 60:100].mean() > 0.999
 
 
 @pytest.mark.parametrize("light", [0.9, 0.75, 0.6, 0.55])
 def test_a_shadow_on_wood_is_not_foreground(light):
     rng = np.random.default_rng(5)
-    background = learn_background(noisy(scene(), rng) for _ in range(12))
+    background = learn(noisy(scene(), rng) for _ in range(12))
     shaded = scene()
     shaded[70:110, 10:70] *= light
     picture = noisy(shaded, rng)
     inside = (slice(70, 110), slice(10, 70))
-    with_rule = (foreground_mask(default_test(background), picture)[inside] > 0).mean()
-    without = (
-        foreground_mask(default_test(background, shadow_min=1.0), picture)[inside] > 0
-    ).mean()
+    with_rule = foreground(prepared(background), picture)[inside].mean()
+    without = foreground(prepared(background, shadow_min=1.0), picture)[inside].mean()
     # 0.55: noise of 3 grey levels takes some pixels below shadow_min = 0.5.
     assert with_rule < (0.01 if light > 0.55 else 0.06)
     assert without > with_rule
@@ -144,51 +146,19 @@ def test_a_shadow_on_wood_is_not_foreground(light):
 
 def test_a_subset_of_pixels_gets_the_same_answer():
     rng = np.random.default_rng(6)
-    test = default_test(learn_background(noisy(scene(), rng) for _ in range(12)))
+    test = prepared(learn(noisy(scene(), rng) for _ in range(12)))
     picture = noisy(scene()[::-1], rng)
-    whole = foreground_mask(test, picture).ravel() > 0
+    whole = foreground(test, picture).ravel()
     at = np.flatnonzero(rng.random(whole.size) < 0.1)
     np.testing.assert_array_equal(is_foreground(test, to_hsv(picture), at), whole[at])
 
 
 def test_too_few_frames_is_one_line():
     with pytest.raises(BenchError, match="at least 10 person-free frames, got 3") as fault:
-        learn_background([scene().astype(np.uint8)] * 3, frames_min=10)
+        learn([scene().astype(np.uint8)] * 3, frames_min=10)
     assert "\n" not in str(fault.value)
 
 
 def test_pictures_of_two_sizes_are_refused():
     with pytest.raises(BenchError, match="one size, got 160x120 and 8x4"):
-        learn_background([scene().astype(np.uint8), np.zeros((4, 8, 3), np.uint8)])
-
-
-def test_saved_and_loaded_alike(tmp_path):
-    rng = np.random.default_rng(7)
-    pair = tuple(learn_background(noisy(scene(), rng) for _ in range(n)) for n in (4, 6))
-    save_backgrounds(tmp_path / "scene.npz", pair)
-    back = load_backgrounds(tmp_path / "scene.npz")
-    for a, b in zip(pair, back, strict=True):
-        np.testing.assert_array_equal(a.mean, b.mean)
-        np.testing.assert_array_equal(a.sd, b.sd)
-        assert a.frames == b.frames
-
-
-def test_a_bad_file_is_one_line(tmp_path):
-    with pytest.raises(BenchError, match=r"none\.npz: no such background file"):
-        load_backgrounds(tmp_path / "none.npz")
-    (tmp_path / "text.npz").write_text("not a background")
-    np.savez(tmp_path / "other.npz", a=np.zeros(3))
-    np.savez(tmp_path / "new.npz", format=np.array(99))
-    np.savez(tmp_path / "shape.npz", format=1, views=1, mean_0=np.zeros(3), sd_0=0, frames_0=1)
-    np.save(tmp_path / "bare.npz", np.zeros(3))
-    (tmp_path / "bare.npz.npy").rename(tmp_path / "bare.npz")
-    for name in ("text", "other", "new", "shape", "bare"):
-        with pytest.raises(BenchError, match=rf"{name}\.npz: ") as fault:
-            load_backgrounds(tmp_path / f"{name}.npz")
-        assert "\n" not in str(fault.value)
-
-
-def test_a_pickle_is_never_loaded(tmp_path):
-    np.savez(tmp_path / "evil.npz", format=np.array([{"a": 1}], dtype=object))
-    with pytest.raises(BenchError, match=r"evil\.npz: not a saved background"):
-        load_backgrounds(tmp_path / "evil.npz")
+        learn([scene().astype(np.uint8), np.zeros((4, 8, 3), np.uint8)])

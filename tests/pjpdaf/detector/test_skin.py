@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.detector.skin import (
     HUE_STEP_DEG,
     SkinRange,
@@ -20,7 +21,6 @@ from pjpdaf.detector.skin import (
     to_hsv,
 )
 from pjpdaf.errors import BenchError
-from pjpdaf.presets.parameters import DetectorParameters
 
 angles = st.floats(0, 359.99)
 
@@ -80,8 +80,7 @@ def test_mask_agrees_with_a_loop_over_all_hues(low, span):
 
 @pytest.mark.parametrize(("hue", "saturation"), [(8, 0.36), (8, 0.52), (31, 0.36), (31, 0.52)])
 def test_rendered_skin_is_well_inside_the_default_range(hue, saturation):
-    p = DetectorParameters()
-    skin = SkinRange(p.hue_range_deg, p.saturation_range, p.value_min)
+    skin = DetectorParameters().skin
     rng = np.random.default_rng(0)
     # Below 2 deg lies what is red and white at once: lips, the print of a can. The reddest skin
     # loses a few noisy pixels to that, which the closing fills.

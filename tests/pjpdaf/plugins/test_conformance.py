@@ -1,4 +1,4 @@
-"""Each way in which a plug-in can be wrong is told in a line; what is right passes."""
+"""Each fault of a plug-in is a line; a plug-in without faults passes."""
 
 import sys
 import time
@@ -9,16 +9,11 @@ import pytest
 
 from pjpdaf.errors import BenchError
 from pjpdaf.interfaces import Detections, Estimates
-from pjpdaf.plugins.conformance import (
-    cameras_in_front,
-    check_detector,
-    check_named,
-    check_tracker,
-    painted,
-    paths_m,
-)
-from pjpdaf.plugins.registry import UnknownPart, make_detector, make_tracker
-from pjpdaf.tracker.filter import PJPDAF, TrackState
+from pjpdaf.plugins.conformance import check_detector, check_named, check_tracker
+from pjpdaf.plugins.registry import PlugInError, make_detector, make_tracker
+from pjpdaf.plugins.scenes import cameras_in_front, detections_of, painted, paths_m
+from pjpdaf.tracker.filter import PJPDAF
+from pjpdaf.tracker.state import TrackState
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -42,9 +37,9 @@ class Tracker:
         return self.inner.predict(state, dt_s)
 
 
-def changed(said, **values):
+def changed(estimates, **values):
     names = ("positions_m", "covariances_m2", "velocities_mps", "status")
-    return Estimates(**{name: values.get(name, getattr(said, name)) for name in names})
+    return Estimates(**{name: values.get(name, getattr(estimates, name)) for name in names})
 
 
 class Raises(Tracker):
@@ -74,28 +69,31 @@ class Positions(Tracker):
 
 class TwoTargets(Tracker):
     def estimates(self, state):
-        said = super().estimates(state)
+        estimates = super().estimates(state)
         return Estimates(
-            said.positions_m[:2], said.covariances_m2[:2], said.velocities_mps[:2], said.status[:2]
+            estimates.positions_m[:2],
+            estimates.covariances_m2[:2],
+            estimates.velocities_mps[:2],
+            estimates.status[:2],
         )
 
 
 class WrongShape(Tracker):
     def estimates(self, state):
-        said = super().estimates(state)
-        return changed(said, velocities_mps=said.velocities_mps[:, :2])
+        estimates = super().estimates(state)
+        return changed(estimates, velocities_mps=estimates.velocities_mps[:, :2])
 
 
 class Nan(Tracker):
     def step(self, state, seen, dt_s):
-        after, said = super().step(state, seen, dt_s)
-        return after, changed(said, positions_m=said.positions_m * np.nan)
+        after, estimates = super().step(state, seen, dt_s)
+        return after, changed(estimates, positions_m=estimates.positions_m * np.nan)
 
 
 class Swapped(Tracker):
     def estimates(self, state):
-        said = super().estimates(state)
-        return changed(said, positions_m=said.positions_m[[0, 2, 1]])
+        estimates = super().estimates(state)
+        return changed(estimates, positions_m=estimates.positions_m[[0, 2, 1]])
 
     def step(self, state, seen, dt_s):
         after = super().step(state, seen, dt_s)[0]
@@ -104,14 +102,14 @@ class Swapped(Tracker):
 
 class Millimetres(Tracker):
     def step(self, state, seen, dt_s):
-        after, said = super().step(state, seen, dt_s)
-        return after, changed(said, positions_m=1000 * said.positions_m)
+        after, estimates = super().step(state, seen, dt_s)
+        return after, changed(estimates, positions_m=1000 * estimates.positions_m)
 
 
 class Lopsided(Tracker):
     def step(self, state, seen, dt_s):
-        after, said = super().step(state, seen, dt_s)
-        return after, changed(said, covariances_m2=-said.covariances_m2)
+        after, estimates = super().step(state, seen, dt_s)
+        return after, changed(estimates, covariances_m2=-estimates.covariances_m2)
 
 
 class Mutates(Tracker):
@@ -126,15 +124,15 @@ class Mutates(Tracker):
         return super().predict(state["now"], dt_s)
 
     def step(self, state, seen, dt_s):
-        state["now"], said = super().step(state["now"], seen, dt_s)
-        return state, said
+        state["now"], estimates = super().step(state["now"], seen, dt_s)
+        return state, estimates
 
 
 class Random(Tracker):
     def step(self, state, seen, dt_s):
-        after, said = super().step(state, seen, dt_s)
+        after, estimates = super().step(state, seen, dt_s)
         mean = after.mean + np.random.default_rng().normal(0, 1e-4, after.mean.shape)
-        return TrackState(mean, after.covariance, after.unseen_s, after.status), said
+        return TrackState(mean, after.covariance, after.unseen_s, after.status), estimates
 
 
 class BlindToGaps(Tracker):
@@ -145,14 +143,14 @@ class BlindToGaps(Tracker):
 
 class Infinite(Tracker):
     def step(self, state, seen, dt_s):
-        after, said = super().step(state, seen, dt_s)
-        return after, changed(said, velocities_mps=np.full((3, 3), np.inf))
+        after, estimates = super().step(state, seen, dt_s)
+        return after, changed(estimates, velocities_mps=np.full((3, 3), np.inf))
 
 
 class Diverges(Tracker):
     def step(self, state, seen, dt_s):
-        after, said = super().step(state, seen, dt_s)
-        return after, changed(said, positions_m=1e300 * said.positions_m)
+        after, estimates = super().step(state, seen, dt_s)
+        return after, changed(estimates, positions_m=1e300 * estimates.positions_m)
 
 
 class ForgetsItsState(Tracker):
@@ -164,8 +162,8 @@ class SwappedAtFirst(Tracker):
     """Right in the last frame."""
 
     def estimates(self, state):
-        said = super().estimates(state)
-        return changed(said, positions_m=said.positions_m[::-1])
+        estimates = super().estimates(state)
+        return changed(estimates, positions_m=estimates.positions_m[::-1])
 
 
 class Unspeakable(Exception):
@@ -217,9 +215,9 @@ class NoPredict:
     ],
 )
 def test_what_is_wrong_with_a_tracker_is_one_line(factory, line):
-    found = check_tracker(factory, limit_s=1.0)
-    assert any(line in fault for fault in found), found
-    assert all("\n" not in fault for fault in found)
+    lines = check_tracker(factory, limit_s=1.0)
+    assert any(line in fault for fault in lines), lines
+    assert all("\n" not in fault for fault in lines)
 
 
 @pytest.mark.parametrize("name", ["thesis", "thesis-literal"])
@@ -238,14 +236,12 @@ def test_the_example_follows_the_targets(monkeypatch):
     monkeypatch.syspath_prepend(EXAMPLES)
     from own_tracker import NearestBlob
 
-    from pjpdaf.plugins.conformance import seen_by
-
     cameras, paths = cameras_in_front(), paths_m(30)
     tracker = NearestBlob(cameras)
-    state = tracker.start(seen_by(cameras, paths[0], range(3)))
+    state = tracker.start(detections_of(cameras, paths[0], range(3)))
     for points in paths[1:]:
-        state, said = tracker.step(state, seen_by(cameras, points, [2, 0, 1]), 1 / 3)
-        assert np.abs(said.positions_m - points).max() < 1e-6
+        state, estimates = tracker.step(state, detections_of(cameras, points, [2, 0, 1]), 1 / 3)
+        assert np.abs(estimates.positions_m - points).max() < 1e-6
     none = (Detections.none(), Detections.none())
     assert tracker.step(state, none, 1 / 3)[1].status == ("coasting",) * 3
     sys.modules.pop("own_tracker")
@@ -311,8 +307,8 @@ class Outside(Detector):
     ],
 )
 def test_what_is_wrong_with_a_detector_is_one_line(factory, line):
-    found = check_detector(factory)
-    assert any(line in fault for fault in found), found
+    lines = check_detector(factory)
+    assert any(line in fault for fault in lines), lines
 
 
 def test_the_painted_scene_shows_three_blobs_in_each_view():
@@ -350,7 +346,7 @@ def test_a_plug_in_that_cannot_be_made_is_one_line(text, line, tmp_path, monkeyp
     (tmp_path / "odd_plug.py").write_text(text)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "odd_plug", raising=False)
-    with pytest.raises(UnknownPart) as fault:
+    with pytest.raises(PlugInError) as fault:
         make_tracker("odd_plug:make", cameras_in_front())
     assert line in str(fault.value)
     assert "\n" not in str(fault.value)

@@ -3,35 +3,30 @@
 from __future__ import annotations
 
 import dataclasses
-from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.stats import chi2
 from strategies import DT_S, START_W, PointWorld, calm, camera_at, detections, rig, run_points
 
 from pjpdaf.camera import project
 from pjpdaf.interfaces import Detections
 from pjpdaf.plugins.registry import make_tracker
-from pjpdaf.presets.parameters import PRESETS, TrackerParameters
-from pjpdaf.tracker.filter import OCCLUSIONS, PJPDAF, UPDATES
-from pjpdaf.tracker.projective import linearise, process_noise, start_covariance, transition
-from pjpdaf.tracker.projective import update as kalman
+from pjpdaf.presets.override import with_values
+from pjpdaf.presets.registry import PRESETS
+from pjpdaf.tracker.filter import PJPDAF
+from pjpdaf.tracker.parameters import TrackerParameters
+from pjpdaf.tracker.process import Scaled, process_noise, transition
+from pjpdaf.tracker.start import start_covariance
 
 CAMERAS = rig().cameras
 THESIS = PRESETS["thesis"].tracker
 CLEAN = PointWorld(noise_px=0.0, miss=0.0, clutter=0.0)
-ALONE = dataclasses.replace(THESIS, p_detect=0.999, clutter=1e-6, occlusion="none")
+ALONE = with_values(THESIS, {"p_detect": 0.999, "clutter": 1e-6, "occlusion": "none"})
 
 
 def look(points: np.ndarray, world: PointWorld = CLEAN, seed: int = 0) -> tuple[Detections, ...]:
     return world.see(CAMERAS, points, np.random.default_rng(seed))
-
-
-def eigenvalues(covariances: np.ndarray) -> np.ndarray:
-    return np.linalg.eigvalsh(covariances)
 
 
 @pytest.mark.parametrize("name", sorted(PRESETS))
@@ -77,87 +72,6 @@ def test_thesis_literal_freezes() -> None:
     assert np.all(association.beta_0 > 0.4)
 
 
-@settings(max_examples=30, deadline=None)
-@given(st.randoms(use_true_random=False), st.integers(0, 1000), st.sampled_from(sorted(UPDATES)))
-def test_order_of_measurements_and_views_does_not_matter(random, seed, update) -> None:
-    p = dataclasses.replace(THESIS, update=update)
-    world = PointWorld(noise_px=3.0, miss=0.1, clutter=2.0)
-    seen = look(START_W + 0.01, world, seed)
-    tracker = PJPDAF(CAMERAS, p)
-    straight = tracker.step(tracker.start_at(START_W), seen, DT_S)[1]
-
-    def mixed(view: Detections) -> Detections:
-        return detections(view.centres_px[random.sample(range(len(view)), len(view))])
-
-    shuffled = tracker.step(tracker.start_at(START_W), tuple(map(mixed, seen)), DT_S)[1]
-    np.testing.assert_allclose(shuffled.positions_m, straight.positions_m, atol=1e-12)
-    np.testing.assert_allclose(shuffled.covariances_m2, straight.covariances_m2, atol=1e-12)
-
-    turned = PJPDAF(CAMERAS[::-1], p)
-    other = turned.step(turned.start_at(START_W), seen[::-1], DT_S)[1]
-    if update == "sequential":
-        return  # each view's doubt enters the next one's gain, so there the order does matter
-    np.testing.assert_allclose(other.positions_m, straight.positions_m, atol=1e-9)
-    np.testing.assert_allclose(other.covariances_m2, straight.covariances_m2, atol=1e-9)
-
-
-def test_certain_views_in_turn_equal_the_stack() -> None:
-    seen = look(START_W + 0.005, PointWorld(1.0, 0.0, 0.0))
-    found = []
-    for update in ("sequential", "fused", "stacked", "stacked_weighted", "most_probable"):
-        p = dataclasses.replace(ALONE, update=update)
-        tracker = PJPDAF(CAMERAS, p)
-        found.append(tracker.step(tracker.start_at(START_W), seen, DT_S)[1])
-    for estimates in found[1:]:
-        # 1e-5 m: beta_0 of a lone detection is about 1e-6 here, not 0.
-        np.testing.assert_allclose(estimates.positions_m, found[0].positions_m, atol=1e-5)
-        np.testing.assert_allclose(
-            estimates.covariances_m2, found[0].covariances_m2, rtol=1e-3, atol=1e-7
-        )
-
-
-def test_equal_to_the_kalman_filter_where_origins_are_certain() -> None:
-    tracker = PJPDAF(CAMERAS, dataclasses.replace(ALONE, update="stacked"))
-    state = tracker.start_at(START_W[:1])
-    seen = look(START_W[:1] + 0.005)
-    prior, _ = tracker.associate(state, seen, DT_S)
-    z, H, _ = linearise(tracker._projection, "jacobian", prior.mean[:, :3], False)
-    innovation = np.array([view.centres_px[0] for view in seen]) - z[:, 0]
-    mean, P = kalman(
-        prior.mean[0], prior.P[0], innovation.ravel(), H.reshape(4, 6), 15.0 * np.eye(4)
-    )
-    after, _ = tracker.step(state, seen, DT_S)
-    np.testing.assert_allclose(after.mean[0], mean, atol=1e-6)
-    np.testing.assert_allclose(after.covariance[0], P, rtol=1e-3, atol=1e-8)
-
-
-def test_an_undetected_target_coasts_and_its_covariance_grows() -> None:
-    tracker = PJPDAF(CAMERAS, THESIS)
-    state = tracker.start_at(START_W)
-    for _ in range(5):
-        state, estimates = tracker.step(state, look(START_W), DT_S)
-    assert estimates.status == ("tracked",) * 3
-    widths = [eigenvalues(estimates.covariances_m2[2])]
-    statuses = []
-    for _ in range(4):
-        state, estimates = tracker.step(state, look(START_W[:2]), DT_S)
-        widths.append(eigenvalues(estimates.covariances_m2[2]))
-        statuses.append(estimates.status[2])
-        assert estimates.status[:2] == ("tracked",) * 2
-    assert all(np.all(later > earlier) for earlier, later in pairwise(widths))
-    assert statuses == ["coasting", "coasting", "lost", "lost"]
-    state, estimates = tracker.step(state, look(START_W), DT_S)
-    assert estimates.status == ("tracked",) * 3  # found again inside its gate
-
-
-def test_a_wide_covariance_is_lost_whatever_the_clock() -> None:
-    tracker = PJPDAF(CAMERAS, dataclasses.replace(THESIS, lost_after_s=1e6, lost_sd_m=0.3))
-    state = tracker.start_at(START_W)
-    for _ in range(60):
-        state, estimates = tracker.step(state, (Detections.none(),) * 2, DT_S)
-    assert estimates.status == ("lost",) * 3
-
-
 def test_a_missing_picture_is_no_miss() -> None:
     tracker = PJPDAF(CAMERAS, THESIS)
     left, _ = look(START_W)
@@ -179,21 +93,6 @@ def test_a_missing_picture_is_no_miss() -> None:
     assert after.unseen_s[0] > state.unseen_s[0]
 
 
-@pytest.mark.parametrize("name", sorted(PRESETS))
-@pytest.mark.parametrize("update", sorted(UPDATES))
-def test_covariances_stay_symmetric_positive_definite(name: str, update: str) -> None:
-    p = dataclasses.replace(PRESETS[name].tracker, update=update)
-    tracker, rng = PJPDAF(CAMERAS, p), np.random.default_rng(2)
-    state = tracker.start_at(START_W)
-    world = PointWorld(noise_px=4.0, miss=0.3, clutter=3.0, merge_px=40.0)
-    for k in range(40):
-        points = calm(2.0 * k * DT_S)  # twice as fast, so that things go wrong too
-        state, _ = tracker.step(state, world.see(CAMERAS, points, rng), DT_S)
-        np.testing.assert_array_equal(state.covariance, state.covariance.swapaxes(1, 2))
-        assert np.all(eigenvalues(state.covariance) > 0)
-        assert np.all(np.isfinite(state.mean))
-
-
 def test_normalised_error_is_chi_square_over_200_runs() -> None:
     """NEES: with the model's own noise the covariance means what it says.
 
@@ -202,20 +101,16 @@ def test_normalised_error_is_chi_square_over_200_runs() -> None:
     """
     runs, steps = 200, 12
     printed = PRESETS["thesis-literal"].tracker
-    p = dataclasses.replace(
-        ALONE,
-        gate=1e4,
-        process_position_m2=printed.process_position_m2,
-        process_velocity_m2ps2=printed.process_velocity_m2ps2,
-    )
+    wide = with_values(ALONE, {"gate": 1e4})
+    p = dataclasses.replace(wide, process=dataclasses.replace(printed.process, process=Scaled()))
     tracker = PJPDAF(CAMERAS, p)
-    F, Q = transition(DT_S), process_noise(p, DT_S)
-    noise, sd = np.linalg.cholesky(Q), np.sqrt(p.measurement_px2)
+    F, Q = transition(DT_S), process_noise(p.process, DT_S)
+    noise, sd = np.linalg.cholesky(Q), np.sqrt(p.measurement.measurement_px2)
     nees = np.zeros((runs, steps))
     for run in range(runs):
         rng = np.random.default_rng([9, run])
         truth = np.append(START_W[1], np.zeros(3)) + np.linalg.cholesky(
-            start_covariance(p)
+            start_covariance(p.start)
         ) @ rng.normal(size=6)
         state = tracker.start_at(START_W[1:2])
         for k in range(steps):
@@ -250,43 +145,6 @@ def test_one_view_or_three_and_any_number_of_targets() -> None:
             state, estimates = tracker.step(state, seen, DT_S)
         assert estimates.status == ("tracked",) * T
         assert np.linalg.norm(estimates.positions_m - points, axis=1).max() < 0.1
-
-
-def test_occlusion_rules() -> None:
-    doubt = np.full((3, 3), 0.3)
-    shared = np.array([[1, 1, 0], [0, 0, 1]], dtype=bool)  # one measurement, two targets
-    crowd = np.array([[1, 1, 0], [1, 1, 0], [0, 0, 1]], dtype=bool)  # two of two
-    assert OCCLUSIONS["shared_measurement"](shared, doubt[:2]).tolist() == [True, True, False]
-    assert OCCLUSIONS["shared_measurement"](crowd, doubt).tolist() == [True, True, False]
-    assert OCCLUSIONS["fewer_measurements"](shared, doubt[:2]).tolist() == [True, True, False]
-    assert OCCLUSIONS["fewer_measurements"](crowd, doubt).tolist() == [False, False, False]
-    assert OCCLUSIONS["none"](shared, doubt[:2]).tolist() == [False, False, False]
-    # Who is sure of a measurement keeps it: no merged blob, the other one was not detected.
-    sure = np.array([[0.95, 0.02, 0.0], [0.0, 0.0, 0.9]])
-    assert OCCLUSIONS["fewer_measurements"](shared, sure).tolist() == [False, False, False]
-
-
-def test_a_merged_blob_moves_nobody_and_stops_the_clock() -> None:
-    points = np.array([[0.1, -0.02, 0.8], [0.1, 0.02, 0.8]])
-    tracker = PJPDAF(CAMERAS, THESIS)
-    state = tracker.start_at(points)
-    one_blob = tuple(detections(project(camera, points.mean(axis=0))) for camera in CAMERAS)
-    for _ in range(4):
-        state, estimates = tracker.step(state, one_blob, DT_S)
-    np.testing.assert_allclose(estimates.positions_m, points, atol=1e-12)
-    assert estimates.status == ("coasting",) * 2
-    assert np.all(state.unseen_s == 0.0)
-
-
-def test_a_density_and_its_count_per_image_are_one_reading() -> None:
-    area = CAMERAS[0].width_px * CAMERAS[0].height_px
-    seen = look(START_W, PointWorld(2.0, 0.0, 2.0))
-    found = []
-    for reading, clutter in (("density", 0.2 / area), ("area", 0.2)):
-        p = dataclasses.replace(THESIS, clutter_reading=reading, clutter=clutter)
-        tracker = PJPDAF(CAMERAS, p)
-        found.append(tracker.step(tracker.start_at(START_W), seen, DT_S)[1].positions_m)
-    np.testing.assert_allclose(*found)
 
 
 def test_wrong_input_is_named() -> None:

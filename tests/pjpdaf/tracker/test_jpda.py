@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from datetime import datetime
 
 import numpy as np
@@ -22,16 +23,35 @@ from stonesoup.updater.kalman import KalmanUpdater
 from strategies import association_cases
 
 from pjpdaf.tracker import jpda
-from pjpdaf.tracker.jpda import (
-    association_probabilities,
-    clusters,
-    feasible_events,
-    squared_distances,
-    validation_matrix,
-)
+from pjpdaf.tracker.jpda import association_probabilities, clusters, squared_distances
 
 # Rounding of sums over at most a few thousand events.
 EXACT = 1e-12
+
+
+def validation_matrix(gated: np.ndarray) -> np.ndarray:
+    """Omega of Eq. 3.28: gated (m, T) with the clutter column in front, (m, T + 1)."""
+    return np.column_stack([np.ones(len(gated), dtype=bool), gated])
+
+
+def feasible_events(omega: np.ndarray) -> Iterator[tuple[int, ...]]:
+    """All feasible events of a validation matrix (m, T + 1), clutter in column 0 (section 3.4.2).
+
+    An event is the origin of each measurement, 0 for clutter: one origin a measurement, at most
+    one measurement a target. There are exponentially many; `association_probabilities` does not
+    need them.
+    """
+    rows = [tuple(np.flatnonzero(row).tolist()) for row in np.asarray(omega, dtype=bool)]
+
+    def extend(event: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+        if len(event) == len(rows):
+            yield event
+            return
+        for origin in rows[len(event)]:
+            if origin == 0 or origin not in event:
+                yield from extend((*event, origin))
+
+    return extend(())
 
 
 def enumerated(

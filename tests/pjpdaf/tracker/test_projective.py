@@ -1,4 +1,4 @@
-"""The projective Kalman filter against finite differences, a textbook filter and Stone Soup."""
+"""Equations of the Kalman filter against a textbook filter and Stone Soup."""
 
 from __future__ import annotations
 
@@ -15,76 +15,23 @@ from stonesoup.types.prediction import GaussianStatePrediction
 from stonesoup.updater.kalman import KalmanUpdater
 from strategies import START_W, calm, rig
 
-from pjpdaf.camera import project, projection_jacobian
-from pjpdaf.presets.parameters import FRAME_S, PRESETS, TrackerParameters
-from pjpdaf.tracker.projective import (
-    Projection,
-    homogeneous,
-    innovation_covariance,
-    linearise,
-    predict,
-    process_noise,
-    start_covariance,
-    transition,
-    update,
-)
+from pjpdaf.camera import project
+from pjpdaf.presets.registry import PRESETS
+from pjpdaf.tracker.measurement import MEASUREMENT_MODELS as MODELS
+from pjpdaf.tracker.measurement import Projection, linearise
+from pjpdaf.tracker.process import process_noise, transition
+from pjpdaf.tracker.projective import homogeneous, innovation_covariance, predict, update
+from pjpdaf.tracker.start import start_covariance
+from pjpdaf.tracker.thesis_units import FRAME_S
 
 CAMERAS = rig().cameras
 LITERAL = PRESETS["thesis-literal"].tracker
+PRINTED = LITERAL.process
 
 
 def spd(rng: np.random.Generator, n: int) -> np.ndarray:
     A = rng.normal(size=(n, n))
     return A @ A.T + 0.1 * np.eye(n)
-
-
-points = st.tuples(st.floats(-0.4, 0.4), st.floats(-0.5, 0.5), st.floats(0.5, 1.4)).map(np.array)
-
-
-@given(points)
-def test_jacobian_equals_finite_differences(point: np.ndarray) -> None:
-    projection = Projection.of(CAMERAS, "jacobian")
-    z, H, s = linearise(projection, "jacobian", point[None], third_row=False)
-    step = 1e-5
-    for n, camera in enumerate(CAMERAS):
-        slopes = [
-            (project(camera, point + d) - project(camera, point - d)) / (2 * step)
-            for d in step * np.eye(3)
-        ]
-        # Central differences: error ~ step^2 * third derivative (~ 1e3 px/m^3) plus rounding.
-        np.testing.assert_allclose(H[n, 0, :, :3], np.transpose(slopes), atol=1e-4)
-        np.testing.assert_allclose(projection_jacobian(camera, point), H[n, 0, :, :3])
-        np.testing.assert_allclose(z[n, 0], project(camera, point))
-        np.testing.assert_allclose(s[n, 0], camera.M[2] @ [*point, 1.0])
-
-
-def test_the_printed_matrix_is_not_the_jacobian() -> None:
-    """Eq. 3.20 lacks -z M^3: in a parallel rig it then sees depth with the wrong sign or not."""
-    point = np.array([[0.1, -0.2, 0.8]])
-    true = linearise(Projection.of(CAMERAS, "jacobian"), "jacobian", point, False)[1]
-    printed = linearise(Projection.of(CAMERAS, "thesis"), "thesis", point, False)[1]
-    centred = linearise(Projection.of(CAMERAS, "centred"), "centred", point, False)[1]
-    depth = 0  # world x runs along the optical axes
-    assert np.all(np.abs(printed[..., 0, depth] - true[..., 0, depth]) > 100)
-    # Zero up to rounding: with the centred origin a parallel rig does not see depth at all.
-    np.testing.assert_allclose(centred[..., depth], 0.0, atol=1e-9)
-
-
-def test_all_readings_predict_the_same_pixel() -> None:
-    pixels = [
-        linearise(Projection.of(CAMERAS, name), name, START_W, True)[0]
-        for name in ("thesis", "centred", "jacobian")
-    ]
-    expected = np.array([project(camera, START_W) for camera in CAMERAS])
-    for z in pixels:
-        np.testing.assert_allclose(z, expected)
-
-
-def test_behind_the_camera_there_is_no_pixel() -> None:
-    behind = np.array([[5.0, 0.0, 1.0]])
-    z, _, s = linearise(Projection.of(CAMERAS, "jacobian"), "jacobian", behind, False)
-    assert np.all(np.isnan(z))
-    assert np.all(s < 0)
 
 
 def textbook(
@@ -116,18 +63,18 @@ def test_equal_to_the_textbook_filter_with_the_printed_state(measurement) -> Non
     rng = np.random.default_rng(8)
     kept = [0, 1, 2, 4, 5, 6]
     Q = np.zeros((8, 8))
-    Q[np.ix_(kept, kept)] = process_noise(LITERAL, FRAME_S)
+    Q[np.ix_(kept, kept)] = process_noise(PRINTED, FRAME_S)
     P8 = np.zeros((8, 8))
-    P8[np.ix_(kept, kept)] = start_covariance(LITERAL)
-    x, P = np.append(calm(0.0)[1], np.zeros(3)), start_covariance(LITERAL)
+    P8[np.ix_(kept, kept)] = start_covariance(LITERAL.start)
+    x, P = np.append(calm(0.0)[1], np.zeros(3)), start_covariance(LITERAL.start)
     x8 = homogeneous(x)
-    projection = Projection.of(CAMERAS, measurement)
+    projection = Projection.of(CAMERAS, MODELS[measurement])
     for k in range(1, 30):
         point = calm(k * FRAME_S)[1]
         z = np.array([project(camera, point) for camera in CAMERAS]) + rng.normal(0, 2, (2, 2))
         x8, P8 = textbook(x8, P8, z, Q, measurement == "thesis")
-        (x,), (P,) = predict(x[None], P[None], transition(FRAME_S), process_noise(LITERAL, FRAME_S))
-        expected, H, _ = linearise(projection, measurement, x[None, :3], third_row=True)
+        (x,), (P,) = predict(x[None], P[None], transition(FRAME_S), process_noise(PRINTED, FRAME_S))
+        expected, H, _ = linearise(projection, x[None, :3], third_row=True)
         innovation = np.column_stack([z - expected[:, 0], np.zeros(2)]).ravel()
         R = np.diag([15.0, 15.0, 0.5] * 2)
         x, P = update(x, P, innovation, H[:, 0].reshape(6, 6), R)
@@ -170,34 +117,18 @@ def test_a_static_target_converges_in_every_reading() -> None:
     for name in ("thesis", "jacobian"):
         x, P = (
             np.concatenate([truth + np.array([0.02, -0.02, 0.02]), np.zeros(3)]),
-            start_covariance(LITERAL),
+            start_covariance(LITERAL.start),
         )
-        projection = Projection.of(CAMERAS, name)
+        projection = Projection.of(CAMERAS, MODELS[name])
         for _ in range(300):
-            (x,), (P,) = predict(x[None], P[None], transition(FRAME_S), process_noise(LITERAL, 1))
-            z, H, _ = linearise(projection, name, x[None, :3], third_row=False)
+            (x,), (P,) = predict(x[None], P[None], transition(FRAME_S), process_noise(PRINTED, 1))
+            z, H, _ = linearise(projection, x[None, :3], third_row=False)
             innovation = np.array([project(c, truth) for c in CAMERAS]) - z[:, 0]
             x, P = update(x, P, innovation.ravel(), H[:, 0].reshape(4, 6), 15.0 * np.eye(4))
         assert np.linalg.norm(x[:3] - truth) < 0.005
-
-
-def test_process_noise_follows_the_time_step_unless_literal() -> None:
-    scaled = TrackerParameters(process="scaled")
-    np.testing.assert_allclose(
-        process_noise(scaled, FRAME_S / 2) * 2, process_noise(scaled, FRAME_S)
-    )
-    np.testing.assert_array_equal(process_noise(LITERAL, 0.01), process_noise(LITERAL, 1.0))
-    # Table 4.1: 50 mm^2 and 5 (mm/frame)^2 at three frames a second.
-    np.testing.assert_allclose(np.diag(process_noise(LITERAL, FRAME_S)), [50e-6] * 3 + [45e-6] * 3)
-    np.testing.assert_allclose(np.diag(start_covariance(LITERAL)), [70e-6] * 3 + [270e-6] * 3)
 
 
 def test_innovation_covariance_is_equation_3_14() -> None:
     rng = np.random.default_rng(1)
     H, P, R = rng.normal(size=(4, 6)), spd(rng, 6), spd(rng, 4)
     np.testing.assert_allclose(innovation_covariance(H, P, R), H @ P @ H.T + R)
-
-
-def test_no_camera_is_an_error() -> None:
-    with pytest.raises(ValueError, match="at least one camera"):
-        Projection.of((), "jacobian")

@@ -9,11 +9,10 @@ from strategies import START_W, camera_at, detections, rig
 
 from pjpdaf.camera import project, triangulate
 from pjpdaf.interfaces import Detections
-from pjpdaf.presets.parameters import TrackerParameters
-from pjpdaf.tracker.start import find_head_and_hands, head_of, locate
+from pjpdaf.tracker.start import StartParameters, find_head_and_hands, head_of, locate
 
 CAMERAS = rig().cameras
-P = TrackerParameters()
+P = StartParameters()
 AREAS = np.array([4500.0, 1500.0, 1400.0])
 
 
@@ -26,11 +25,11 @@ def look(
 
 @pytest.mark.parametrize("order", [[0, 1, 2], [2, 1, 0], [1, 2, 0]])
 def test_head_right_hand_left_hand(order: list[int]) -> None:
-    found = find_head_and_hands(CAMERAS, look(START_W, order=order), P)
-    np.testing.assert_allclose(found, START_W, atol=1e-9)
+    positions_m = find_head_and_hands(CAMERAS, look(START_W, order=order), P)
+    np.testing.assert_allclose(positions_m, START_W, atol=1e-9)
     # The person faces the cameras: the right hand is left in both pictures.
     for camera in CAMERAS:
-        assert project(camera, found[1])[0] < project(camera, found[2])[0]
+        assert project(camera, positions_m[1])[0] < project(camera, positions_m[2])[0]
 
 
 def test_a_false_blob_does_not_become_a_hand() -> None:

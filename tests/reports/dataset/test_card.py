@@ -4,7 +4,6 @@ import os
 import re
 import subprocess
 import sys
-import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,12 +14,15 @@ import pytest
 from ruamel.yaml import YAML
 
 from pjpdaf.errors import BenchError
-from reports.dataset.card import TASKS, card_text, sample_jpeg, without_paths, write_card
-from reports.dataset.svg_bars import bars_svg, bin_names
-from sim.dataset.layout import conventions
+from reports.dataset.card import card_text, write_card
+from reports.dataset.card_prose import without_paths
+from reports.dataset.card_sample import sample_jpeg
+from reports.dataset.card_tables import TASKS
+from sim.dataset.files.conventions import conventions
+from sim.dataset.histograms import BINS
 from sim.dataset.raytruth import RayFigures, lines_of
 from sim.dataset.reader import open_dataset
-from sim.dataset.statistics import BINS, statistics_of
+from sim.dataset.statistics import statistics_of
 
 
 @pytest.fixture(scope="module")
@@ -157,16 +159,6 @@ def test_the_sample_shows_frames_and_labels(dataset):
     assert tile.std() > 20  # a scene, no plain tile
     with pytest.raises(BenchError, match="no finished sequence"):
         sample_jpeg(replace(dataset, sequences=()))
-
-
-def test_bars_are_valid_and_escaped():
-    root = ET.fromstring(bars_svg("<&\"'", bin_names((-1.5, 0, 2)), (1, 3)))
-    bars = [e for e in root.iter("{http://www.w3.org/2000/svg}rect") if e.get("class") == "bar"]
-    long = [float(bar.get("width")) for bar in bars]
-    assert long[0] == pytest.approx(long[1] / 3, abs=0.1)
-    words = [e.text for e in root.iter("{http://www.w3.org/2000/svg}text")]
-    assert words == ["<&\"'", "−1.5 – 0", "1 (25.0 %)", "0 – 2", "3 (75.0 %)"]
-    assert "NaN" not in bars_svg("empty", ("a",), (0,))
 
 
 def test_names_of_a_stranger_are_words(dataset, statistics):

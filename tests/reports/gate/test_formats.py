@@ -7,9 +7,12 @@ from xml.etree import ElementTree
 
 import pytest
 
-from reports.gate.formats import MARKDOWN_LIMIT, badge_json, junit_xml, markdown, verdict_json
-from reports.gate.gate import METRICS, EpisodeDifference, GroupDifference, MetricVerdict, Verdict
+from reports.gate.formats import badge_json, verdict_json
+from reports.gate.junit import junit_xml
+from reports.gate.markdown import MARKDOWN_LIMIT, markdown
+from reports.gate.metrics import METRICS
 from reports.gate.statistics import Difference
+from reports.gate.verdict import EpisodeDifference, GroupDifference, MetricVerdict, Verdict
 
 # What Jenkins' xUnit plug-in accepts (its schema junit-10), as element -> (required attributes,
 # optional attributes, children, text allowed). Numbers must be numbers: the schema takes any text,

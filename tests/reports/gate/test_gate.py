@@ -1,55 +1,21 @@
+"""The gate: what fails, what passes, what stays open."""
+
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from pjpdaf.errors import BenchError, InfrastructureError
-from reports.gate.gate import ALPHA, METRICS, compare, replay_command
+from reports.gate.gate import ALPHA, compare
+from reports.gate.metrics import METRICS
 from reports.gate.pairing import (
     CAP_MM,
     WORST_GOSPA_MM,
-    NotComparable,
     episode_values,
-    joined,
-    same_results,
 )
-from reports.run.results import RunInfo, load, save
+from reports.run.load import load
+from reports.run.save import RunInfo, save
 from reports.score.records import EpisodeFailure
-
-GROUPS = {"calm": "baseline", "drink": "hand_and_head", "cross": "hand_and_hand"}
-
-
-def episodes(episode_of, tools, worse=lambda scenario, seed: 0.0, swapped=(), seeds=8):
-    """Runs of three scenarios; `worse` shifts all estimates by that much [m]."""
-    for scenario, group in GROUPS.items():
-        for seed in range(seeds):
-            paths = tools.paths(24, 3.0, 0.1 + 0.01 * seed)
-            said = tools.noisy(paths, seed) + np.array([0.0, 0.0, worse(scenario, seed)])
-            if (scenario, seed) in swapped:
-                said[8:, [1, 2]] = said[8:, [2, 1]]
-            yield episode_of(said, scenario=scenario, group=group, seed=seed, centres_m=paths)
-
-
-@pytest.fixture(scope="module")
-def runs(episode_of, tools, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("runs")
-
-    def run_of(name, extra=(), drop=0, **changes):
-        played = list(episodes(episode_of, tools, **changes))
-        played = [*played[drop:], *extra]
-        return load(save(folder / name, played, RunInfo(name)))
-
-    return {
-        "base": run_of("base"),
-        "again": run_of("again"),
-        "worse": run_of("worse", worse=lambda s, k: 0.012),
-        "better": run_of("better", worse=lambda s, k: 0.0),
-        "jitter": run_of("jitter", worse=lambda s, k: 0.0004 * (-1) ** k),
-        "half": run_of("half", worse=lambda s, k: 0.03 if s == "drink" else 0.0),
-        "swaps": run_of("swaps", swapped={("cross", k) for k in range(8)}),
-        "one_swap": run_of("one_swap", swapped={("cross", 3)}),
-        "fewer": run_of("fewer", drop=1),
-    }
 
 
 def of(verdict, name):
@@ -107,24 +73,6 @@ def test_wide_margins_forgive_and_unknown_ones_are_named(runs):
         compare(runs["base"], runs["worse"], {"lost": float("nan")})
 
 
-def test_unlike_runs_are_not_compared(runs, episode_of, tools, tmp_path):
-    with pytest.raises(NotComparable, match=r"lacks 1 of 24 .*calm seed 0"):
-        compare(runs["base"], runs["fewer"])
-    with pytest.raises(NotComparable, match="lacks 1 of 24"):
-        compare(runs["fewer"], runs["base"])
-    assert NotComparable("x").exit_code == 4
-    other = []
-    for episode in episodes(episode_of, tools):
-        object.__setattr__(episode, "digest", episode.digest + "x")
-        other.append(episode)
-    changed = load(save(tmp_path / "changed", other, RunInfo("changed")))
-    with pytest.raises(NotComparable, match="24 of 24 episodes are not the same"):
-        compare(runs["base"], changed)
-    cut = load(save(tmp_path / "cut", episodes(episode_of, tools), RunInfo("c", complete=False)))
-    with pytest.raises(NotComparable, match="was interrupted"):
-        compare(runs["base"], cut)
-
-
 def with_meta(run, **changes):
     return replace(run, meta={**run.meta, **changes})
 
@@ -133,31 +81,7 @@ def with_scenarios(run, **changes):
     return with_meta(run, scenarios=[{**one, **changes} for one in run.meta["scenarios"]])
 
 
-def test_suites_of_other_versions_or_content_are_not_compared(runs):
-    def of_suite(run, version, digest):
-        return with_meta(run, suites=[{"name": "core", "version": version, "digest": digest}])
-
-    base = of_suite(runs["base"], 1, "aa")
-    assert compare(base, of_suite(runs["again"], 1, "aa")).verdict == "pass"
-    assert compare(base, runs["again"]).verdict == "pass"  # of scenarios that were named one by one
-    with pytest.raises(NotComparable, match=r"is of core@1 and .* of core@2"):
-        compare(base, of_suite(runs["again"], 2, "bb"))
-    with pytest.raises(NotComparable, match=r"core@1 is not the same in both runs"):
-        compare(base, of_suite(runs["again"], 1, "bb"))
-
-
-def test_another_simulator_or_other_metrics_are_not_compared(runs):
-    moved = with_scenarios(runs["again"], truths=["10 20 35"] * 8)
-    base = with_scenarios(runs["base"], truths=["10 20 30"] * 8)
-    with pytest.raises(NotComparable, match="24 of 24 episodes moved differently, the first: calm"):
-        compare(base, moved)
-    crashed = with_scenarios(runs["again"], truths=["10 19 31"] * 7 + [""])
-    assert compare(base, crashed).identical
-    with pytest.raises(NotComparable, match="metrics version 0 in"):
-        compare(with_meta(runs["base"], metrics_version=0), runs["again"])
-
-
-def with_failures(run, failed, reason):
+def with_failures(run, failed, reason, kind="exception"):
     """A run in which these episodes gave no result."""
     rows = run.episodes.copy()
     hit = [key in failed for key in zip(rows["scenario"], rows["seed"], strict=True)]
@@ -167,11 +91,23 @@ def with_failures(run, failed, reason):
     rows.loc[hit, "failure"] = reason
     tracking = run.tracking
     gone = [key in failed for key in zip(tracking["scenario"], tracking["seed"], strict=True)]
-    return replace(run, episodes=rows, tracking=tracking[~np.array(gone)])
+    scenarios = [
+        {
+            **scenario,
+            "failures": [
+                {"seed": seed, "reason": reason, "kind": kind}
+                for seed in scenario["seeds"]
+                if (scenario["name"], seed) in failed
+            ],
+        }
+        for scenario in run.meta["scenarios"]
+    ]
+    meta = {**run.meta, "scenarios": scenarios}
+    return replace(run, meta=meta, episodes=rows, tracking=tracking[~np.array(gone)])
 
 
-def test_a_failed_episode_is_saved_and_counts_as_the_worst(episode_of, tools, tmp_path):
-    whole = list(episodes(episode_of, tools))
+def test_a_failed_episode_is_saved_and_counts_as_the_worst(episodes, tmp_path):
+    whole = list(episodes())
     base = load(save(tmp_path / "base", whole, RunInfo("base")))
     crashed = EpisodeFailure("cross", 7, "worker died", "hand_and_hand", whole[-1].digest)
     new = load(save(tmp_path / "new", [*whole[:-1], crashed], RunInfo("new")))
@@ -205,26 +141,15 @@ def test_what_the_base_has_no_result_of_cannot_hide_a_loss(runs):
     assert of(verdict, "error_mm").difference.n == 23
 
 
-def test_a_base_without_results_is_no_yardstick(runs):
-    every = {(s, k) for s in GROUPS for k in range(8)}
+def test_a_base_without_results_is_no_yardstick(runs, groups):
+    every = {(s, k) for s in groups for k in range(8)}
     some = {("calm", k) for k in range(4)}
     with pytest.raises(InfrastructureError, match=r"4 of 24 episodes .* calm seed 0: worker died"):
         compare(with_failures(runs["base"], some, "worker died"), runs["again"])
-    unposable = with_failures(runs["base"], some, "cannot be posed: too far")
+    unposable = with_failures(runs["base"], some, "cannot be posed: too far", "unposable")
     assert compare(unposable, unposable).verdict == "pass"
     with pytest.raises(InfrastructureError, match="24 of 24"):
         compare(with_failures(runs["base"], every, "cannot be posed: too far"), runs["again"])
-
-
-def test_values_that_are_not_finite_are_the_cap(runs):
-    odd = runs["base"].episodes.copy()
-    odd.loc[:1, "median_error_mm"] = [np.nan, np.inf]
-    odd.loc[2, "median_error_mm"] = 30.0
-    tracking = runs["base"].tracking.copy()
-    tracking.loc[0, "sum_gospa_mm"] = np.inf
-    values = episode_values(replace(runs["base"], episodes=odd, tracking=tracking)).iloc[0]
-    assert values["error_mm"] == pytest.approx((2 * CAP_MM + 30.0) / 3)
-    assert values["gospa_mm"] == WORST_GOSPA_MM
 
 
 def test_an_accident_counts_but_does_not_hide_what_happens_in_all_others(runs):
@@ -294,47 +219,12 @@ def test_a_group_that_got_worse_shows_also_where_the_whole_passes(runs):
     assert ("baseline", "error_mm") not in beyond
 
 
-def test_what_else_differs_is_noted(runs):
-    assert compare(runs["base"], runs["again"]).notes == ()
-    here = runs["again"].meta["provenance"]
-    other = {**here, "renderer": "another", "versions": {**here["versions"], "mujoco": "3.0"}}
-    notes = compare(with_meta(runs["base"], provenance=other), runs["again"]).notes
-    assert any("the base by another" in note for note in notes)
-    assert any("mujoco 3.0 -> " in note for note in notes)
-
-
-def test_an_episode_is_played_again_as_it_was(runs):
-    request = {"targets": ["core"], "settings": ["noise_sd=5"], "first_seed": 0, "seeds": None}
-    meta = {"preset": "thesis", "detector": "thesis", "tracker": "mine:make", "request": request}
-    assert replay_command(meta, "fps_ladder@5", 3) == (
-        "pjpdaf-bench run core --only fps_ladder@5 --first-seed 3 --seeds 1 "
-        "--tracker mine:make --set noise_sd=5"
-    )
-    meta |= {"preset": "thesis-literal", "detector": "thesis-literal", "tracker": "thesis-literal"}
-    meta["request"] = {**request, "targets": ["my suite.yaml"], "settings": []}
-    assert replay_command(meta, "drink+dim", 0) == (
-        "pjpdaf-bench run 'my suite.yaml' --only drink+dim --first-seed 0 --seeds 1 "
-        "--preset thesis-literal"
-    )
-    assert replay_command({}, "drink", 0) == ""
-
-
-def test_runs_of_other_seeds_join_to_one(episode_of, tools, tmp_path):
-    played = list(episodes(episode_of, tools, seeds=6))
-    parts = [[e for e in played if (e.seed < 4) == early] for early in (True, False)]
-    whole = load(save(tmp_path / "whole", played, RunInfo("whole")))
-    one, two = (load(save(tmp_path / str(k), p, RunInfo("part"))) for k, p in enumerate(parts))
-    together = joined([one, two])
-    assert same_results(together, whole)
-    assert [s["seeds"] for s in together.meta["scenarios"]] == [[0, 1, 2, 3, 4, 5]] * 3
-    assert compare(whole, together).identical
-
-
 def test_no_false_alarm_when_the_two_runs_only_differ_by_chance(runs):
     """Base and new drawn from the same two runs by a coin per episode: no-op comparisons."""
+    values = {name: episode_values(runs[name]) for name in ("base", "half", "swaps")}
     alarms, tries = 0, 300
     for seed in range(tries):
-        one, other = (episode_values(runs[name]) for name in ("base", ("half", "swaps")[seed % 2]))
+        one, other = values["base"], values[("half", "swaps")[seed % 2]]
         coin = np.random.default_rng(seed).random((len(one), 1)) < 0.5
         coin = np.broadcast_to(coin, one.shape)
         words = verdicts(one.where(coin, other), other.where(coin, one), seed)
@@ -344,13 +234,14 @@ def test_no_false_alarm_when_the_two_runs_only_differ_by_chance(runs):
 
 def verdicts(before, after, seed):
     """What `compare` makes of two tables of episode values."""
-    from reports.gate.gate import MetricVerdict, _difference, _word
+    from reports.gate.gate import _difference, _outcome
     from reports.gate.statistics import holm
+    from reports.gate.verdict import MetricVerdict
 
     rng = np.random.default_rng(seed)
     found = [(m, *_difference(m, before, after, rng, ALPHA)) for m in METRICS if not m.counted]
     adjusted = holm([p for _, _, p in found])
     return [
-        _word(MetricVerdict(metric, "pass", 0.0, 0.0, difference, p), ALPHA)
+        _outcome(MetricVerdict(metric, "pass", 0.0, 0.0, difference, p), ALPHA)
         for (metric, difference, _), p in zip(found, adjusted, strict=True)
     ]

@@ -4,11 +4,7 @@ import base64
 import gzip
 import json
 import re
-import shutil
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
-from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -18,16 +14,17 @@ from waiting import until
 from pjpdaf.errors import BenchError
 from pjpdaf.frames import StereoFrame
 from reports.page.page import build_page, write_page
+from reports.page.templating import write_text
 from reports.pictures.overlay import overlay_jpeg
 from reports.pictures.stills import still
-from reports.run.results import RunInfo, load, save
+from reports.run.load import load
 from reports.run.rows import rows_of
-from reports.score.records import BUDGET_LEVELS, EpisodeFailure, Picture, Still
+from reports.run.save import RunInfo, save
+from reports.score.records import BUDGET_LEVELS, EpisodeFailure, OverlayPicture, Still
 
 LEFT = "document.querySelector('[data-part=left]')"
 HOSTILE = '<script>alert("x")</script>&{{ 7*7 }}'
-CHROMIUM = shutil.which("chromium")
-in_a_browser = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH")
+DRAWN = "html[data-thumbs=yes]"
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +40,7 @@ def runs(episode_of, tools, tmp_path_factory):
         return overlay_jpeg(frame, tools.cameras(), o.detections, o.estimates, o.truth)
 
     shown = [StereoFrame(f, f / 3, (tools.picture(f), tools.picture(f + 50))) for f in range(24)]
-    pictures = tuple(Picture(f, draw(shown[f], sample[f])) for f in (0, 12))
+    pictures = tuple(OverlayPicture(f, draw(shown[f], sample[f])) for f in (0, 12))
     film = tuple(Still(f.index, still(f, tools.cameras())) for f in shown)
     bad = replace(
         episode_of(swapped, centres_m=centres, scenario=HOSTILE, seed=1, pictures=pictures),
@@ -143,11 +140,15 @@ def test_the_thesis_is_beside_it(page):
     assert "not stated" in thesis
 
 
-def test_two_runs_side_by_side(runs):
-    page = build_page(runs)
-    assert "other is incomplete" in page
-    assert "other, seed 1" in page
-    assert 'id="episode-1-0-1"' in page
+@pytest.fixture(scope="module")
+def pair(runs):
+    return build_page(runs)
+
+
+def test_two_runs_side_by_side(pair, runs):
+    assert "other is incomplete" in pair
+    assert "other, seed 1" in pair
+    assert 'id="episode-1-0-1"' in pair
     twice = build_page([runs[1], runs[1]])
     assert "other (1)" in twice
     assert "other (2)" in twice
@@ -172,7 +173,7 @@ def test_no_run_and_no_place(runs, tmp_path):
 
 
 def test_pictures_that_are_none(episode_of, tmp_path):
-    pictures = (Picture(0, b"\xff\xd8"),)
+    pictures = (OverlayPicture(0, b"\xff\xd8"),)
     run = load(save(tmp_path / "run", [episode_of(pictures=pictures)], RunInfo("run")))
     with pytest.raises(BenchError, match=r"00000\.jpg: is no picture"):
         build_page([run])
@@ -180,7 +181,7 @@ def test_pictures_that_are_none(episode_of, tmp_path):
 
 def test_many_pictures_are_thinned(episode_of, tools, tmp_path):
     jpeg = bytes(cv2.imencode(".jpg", tools.picture())[1])
-    pictures = tuple(Picture(f, jpeg) for f in range(30))
+    pictures = tuple(OverlayPicture(f, jpeg) for f in range(30))
     run = load(save(tmp_path / "run", [episode_of(pictures=pictures)], RunInfo("run")))
     captions = re.findall(r"<img [^>]*><span>(frame \d+)</span>", build_page([run]))
     assert len(captions) == 8
@@ -222,7 +223,9 @@ def test_sixty_episodes_stay_in_their_size(sixty, episode_of, tools, tmp_path, f
     played = [
         replace(
             row,
-            pictures=tuple(Picture(f, jpeg) for f in range(0, 50, 5)) if row.seed == 0 else (),
+            pictures=tuple(OverlayPicture(f, jpeg) for f in range(0, 50, 5))
+            if row.seed == 0
+            else (),
             film=tuple(Still(f, webp) for f in range(0, 50, 1 if filmed else 5)),
         )
         for row in sixty
@@ -232,36 +235,15 @@ def test_sixty_episodes_stay_in_their_size(sixty, episode_of, tools, tmp_path, f
     assert write_page([run], tmp_path / "report.html").stat().st_size <= limit
 
 
-@contextmanager
-def opened(path, **settings) -> Iterator[SimpleNamespace]:
-    """The page in a browser; everything that it complains about or asks for is written down."""
-    sync_api = pytest.importorskip("playwright.sync_api")
-    complaints, requests = [], []
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(
-            executable_path=CHROMIUM,
-            args=[
-                "--no-sandbox",
-                "--disable-quic",
-                "--disable-background-networking",
-                "--disable-component-update",
-                "--disable-webgl",
-            ],
-        )
-        view = browser.new_page(**settings)
-        view.on("console", lambda m: complaints.append(m.text) if m.type == "error" else None)
-        view.on("pageerror", lambda e: complaints.append(str(e)))
-        view.on("request", lambda r: requests.append(r.url))
-        view.goto(path.as_uri())
-        view.wait_for_selector("html[data-thumbs=yes]")
-        yield SimpleNamespace(view=view, frame=lambda n: wait_for_frame(view, n))
-        browser.close()
-    assert complaints == []
-    assert all(url.startswith(("file:", "data:", "blob:")) for url in requests)
-
-
-def wait_for_frame(view, frame):
+def at_frame(view, frame):
+    """Wait until the player shows this frame."""
     view.wait_for_selector(f'#player[data-frame="{frame}"]')
+
+
+@pytest.fixture(scope="module")
+def report(page, tmp_path_factory):
+    """The page of one run as a file."""
+    return write_text(tmp_path_factory.mktemp("report") / "report.html", page)
 
 
 PARTS = ("left", "right", "space", "curves")
@@ -274,11 +256,8 @@ def drawings(view):
     ]
 
 
-@in_a_browser
-def test_the_slider_moves_everything(runs, tmp_path):
-    path = write_page([runs[0]], tmp_path / "report.html")
-    with opened(path, viewport={"width": 1300, "height": 900}) as at:
-        view = at.view
+def test_the_slider_moves_everything(report, opened):
+    with opened(report, DRAWN, viewport={"width": 1300, "height": 900}) as view:
         # Verdict, tiles and the table by group are on the first screen.
         for selector in (".verdict", ".tiles", "#summary tbody tr"):
             box = view.locator(selector).first.bounding_box()
@@ -289,22 +268,22 @@ def test_the_slider_moves_everything(runs, tmp_path):
         slider = view.locator("[data-part=slider]")
         slider.focus()
         view.keyboard.press("ArrowRight")
-        at.frame(1)
+        at_frame(view, 1)
         assert all(old != new for old, new in zip(before, drawings(view), strict=True))
         for part in PARTS:
             assert view.get_attribute(f"[data-part={part}]", "data-frame") == "1"
         view.keyboard.press("End")
-        at.frame(23)
+        at_frame(view, 23)
         assert slider.get_attribute("aria-valuetext") == "frame 23, 7.67 s"
         assert view.inner_text("[data-part=readout] tr:nth-child(2) td:nth-child(3)") != "–"
         # A jump to the swap; a click into the curves; buttons.
         view.get_by_role("button", name="hands swapped, 8–23").click()
-        at.frame(8)
+        at_frame(view, 8)
         box = view.locator("[data-part=curves]").bounding_box()
         view.mouse.click(box["x"] + box["width"] - 13, box["y"] + 40)
-        at.frame(23)
+        at_frame(view, 23)
         view.locator("[data-by='-1']").click()
-        at.frame(22)
+        at_frame(view, 22)
         # Playing goes on by itself and stops.
         view.select_option("[data-part=speed]", "4")
         view.locator("[data-part=play]").click()
@@ -313,13 +292,10 @@ def test_the_slider_moves_everything(runs, tmp_path):
         assert view.inner_text("[data-part=play]") == "Play"
 
 
-@in_a_browser
-def test_pictures_toggles_and_turning(runs, tmp_path):
-    path = write_page([runs[0]], tmp_path / "report.html")
-    with opened(path, viewport={"width": 1300, "height": 900}) as at:
-        view = at.view
-        view.goto(path.as_uri() + "#play=0-0-1@5")
-        at.frame(5)
+def test_pictures_toggles_and_turning(report, opened):
+    with opened(report, DRAWN, viewport={"width": 1300, "height": 900}) as view:
+        view.goto(report.as_uri() + "#play=0-0-1@5")
+        at_frame(view, 5)
         full = drawings(view)
         for name in ("picture", "detections", "estimates", "truth"):
             view.locator(f"[data-part=show-{name}]").uncheck()
@@ -353,35 +329,31 @@ def test_pictures_toggles_and_turning(runs, tmp_path):
         assert view.get_attribute("[data-part=space]", "data-turn") == "0.00 1.57 1.00"
 
 
-@in_a_browser
-def test_links_lead_to_the_player_and_back(runs, tmp_path):
-    path = write_page([runs[0]], tmp_path / "report.html")
-    with opened(path, viewport={"width": 1000, "height": 800}, reduced_motion="reduce") as at:
-        view = at.view
+def test_links_lead_to_the_player_and_back(report, opened):
+    with opened(
+        report, DRAWN, viewport={"width": 1000, "height": 800}, reduced_motion="reduce"
+    ) as view:
         card = view.locator("#failures a").nth(1)
         card.focus()
         view.keyboard.press("Enter")
         view.wait_for_selector('#player[data-key="0-0-1"]')
         worst = card.get_attribute("href").partition("@")[2]
-        at.frame(worst)
+        at_frame(view, worst)
         assert 0 <= view.locator("#player").bounding_box()["y"] < 60
         event = view.get_by_role("link", name="hands swapped").first
         event.scroll_into_view_if_needed()
         event.click()
-        at.frame(8)
+        at_frame(view, 8)
         view.go_back()
-        at.frame(worst)
+        at_frame(view, worst)
         # A closed scenario opens when a link leads to it.
         view.evaluate("document.querySelectorAll('.scenario details').forEach(d => d.open = false)")
         view.locator('#summary a[href="#scenario-1"]').click()
         assert view.locator("#scenario-1 > details").get_attribute("open") is not None
 
 
-@in_a_browser
-def test_tables_sort_by_click_and_keyboard(runs, tmp_path):
-    path = write_page([runs[0]], tmp_path / "report.html")
-    with opened(path, viewport={"width": 1300, "height": 900}) as at:
-        view = at.view
+def test_tables_sort_by_click_and_keyboard(report, opened):
+    with opened(report, DRAWN, viewport={"width": 1300, "height": 900}) as view:
         table = view.locator("#summary table").first
 
         def names():
@@ -405,13 +377,16 @@ def test_tables_sort_by_click_and_keyboard(runs, tmp_path):
         assert table.locator("tfoot tr").count() == 1
 
 
-@in_a_browser
+@pytest.fixture(scope="module")
+def both(pair, tmp_path_factory):
+    """The page of two runs as a file."""
+    return write_text(tmp_path_factory.mktemp("both") / "report.html", pair)
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_on_a_phone_and_in_print(runs, tmp_path, scheme):
-    path = write_page(list(runs), tmp_path / "report.html")
+def test_on_a_phone_and_in_print(both, opened, scheme):
     settings = {"viewport": {"width": 390, "height": 844}, "color_scheme": scheme}
-    with opened(path, **settings, has_touch=True) as at:
-        view = at.view
+    with opened(both, DRAWN, **settings, has_touch=True) as view:
         # Nothing but the tables' own scroll areas is wider than the screen.
         assert view.evaluate("document.documentElement.scrollWidth") <= 390
         view.locator("[data-part=slider]").focus()

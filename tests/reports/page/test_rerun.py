@@ -12,10 +12,12 @@ from pjpdaf.camera import project
 from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.frames import StereoFrame
 from pjpdaf.targets import TARGETS
-from reports.page.player import takes
-from reports.page.rerun import CORNER_PX, TRAIL_S, recording_id, write_rerun
+from reports.page.episode_tables import episode_tables
+from reports.page.rerun import recording_id, write_rerun
+from reports.page.rerun_entities import CORNER_PX, TRAIL_S
 from reports.pictures.stills import still
-from reports.run.results import RunInfo, load, save, save_slim
+from reports.run.load import load
+from reports.run.save import RunInfo, save, save_slim
 from reports.score.records import VIEWS, Still
 
 F = 20
@@ -106,7 +108,7 @@ def test_every_entity_has_a_row_a_frame(recorded):
 
 
 def test_points_and_errors_are_the_runs_own(recorded, run, episode):
-    take = next(takes(run))
+    take = next(episode_tables(run))
     for t, target in enumerate(TARGETS):
         said = points(recorded[f"{BASE}/estimate/{target}"], "Points3D:positions")
         truth = points(recorded[f"{BASE}/truth/{target}"], "Points3D:positions")

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from reports.page.player import takes
-from reports.page.thesis_figures import NOT_STATED, thesis_figures
-from reports.run.results import RunInfo, load, save
+from reports.page.episode_tables import episode_tables
+from reports.page.thesis_figures import thesis_figures
+from reports.page.thesis_measures import NOT_STATED
+from reports.run.load import load
+from reports.run.save import RunInfo, save
 
 NONE = np.zeros((3, 3), bool)
 
@@ -46,12 +48,12 @@ def figures(episode_of, tools, tmp_path_factory):
             RunInfo("run"),
         )
     )
-    played = {(take.scenario, take.seed): take for take in takes(run)}
+    played = {(take.scenario, take.seed): take for take in episode_tables(run)}
     return {f.number: f for f in thesis_figures([played, {}])}
 
 
-def said(figure, what):
-    return next(row for row in figure.rows if row.what == what)
+def row_of(figure, label):
+    return next(row for row in figure.rows if row.label == label)
 
 
 def test_all_seven_are_there_in_order(figures):
@@ -66,28 +68,28 @@ def test_a_run_without_the_scenario_says_nothing(figures):
         assert all(row.ours[1] == "-" for row in figure.rows)
     empty = thesis_figures([{}])
     assert all(f.source is None and f.chart is None and f.frames == () for f in empty)
-    assert empty[0].wanted == ("calm_table",)
+    assert empty[0].scenarios == ("calm_table",)
 
 
 def test_frames_are_those_of_the_thesis_counted_from_one(figures):
     assert figures["4.1"].frames == (0, 14, 49)  # 75 and on are not in sixty frames
     assert figures["4.5"].frames == (0, 20, 22, 26, 29, 30, 31, 35, 39, 48)
     assert figures["4.6"].frames == (20,)
-    assert said(figures["4.5"], "hand on the head").ours[0] == "21-28"
-    assert said(figures["4.6"], "both hands are one area").ours[0] == "frames 21-22"
+    assert row_of(figures["4.5"], "hand on the head").ours[0] == "21-28"
+    assert row_of(figures["4.6"], "both hands are one area").ours[0] == "frames 21-22"
 
 
 def test_errors_beyond_the_axis_are_counted(figures):
     figure = figures["4.3"]
-    assert said(figure, "above 20 px").ours[0] == "1 of 180 target-frames"
-    assert said(figure, "head steadier than the hands").ours[0].startswith("yes")
-    assert said(figure, "median Err_acc, head / right / left").thesis == NOT_STATED
+    assert row_of(figure, "above 20 px").ours[0] == "1 of 180 target-frames"
+    assert row_of(figure, "head steadier than the hands").ours[0].startswith("yes")
+    assert row_of(figure, "median Err_acc, head / right / left").thesis == NOT_STATED
     assert "the thesis&#39;s axis ends here" in figure.chart
 
 
 def test_extents_are_in_the_left_cameras_frame(figures):
     # The person sits about 1 m to 1.3 m from the cameras at x = 1.3 m.
-    words = said(figures["4.2"], "depth (z)").ours[0]
+    words = row_of(figures["4.2"], "depth (z)").ours[0]
     low, high = (float(n) for n in words.partition(" mm")[0].split(" to "))
     assert 850 < low < 1000
     assert 1200 < high < 1300
@@ -95,8 +97,8 @@ def test_extents_are_in_the_left_cameras_frame(figures):
 
 def test_failures_are_told_by_frame(figures):
     figure = figures["4.7"]
-    assert said(figure, "hands confused").ours[0] == "26-35"
-    assert said(figure, "lost at the end").ours[0] == "left hand"
-    assert said(figure, "hands together").ours[0] == "21-22; 100 % within 100 mm meanwhile"
+    assert row_of(figure, "hands confused").ours[0] == "26-35"
+    assert row_of(figure, "lost at the end").ours[0] == "left hand"
+    assert row_of(figure, "hands together").ours[0] == "21-22; 100 % within 100 mm meanwhile"
     assert {0, 20, 25, 59} <= set(figure.frames)
     assert len(figure.frames) <= 10

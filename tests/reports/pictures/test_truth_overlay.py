@@ -13,12 +13,12 @@ from reports.pictures.truth_overlay import (
     _COLOURS,
     STRIP_PX,
     draw_outlines,
-    event_words,
     fitting,
-    merged_words,
+    merged_text,
+    script_text,
     thumbnail,
     truth_picture,
-    visible_words,
+    visible_text,
 )
 
 GREY = np.full((480, 640, 3), 128, np.uint8)
@@ -113,12 +113,12 @@ def test_the_pictures_given_are_not_drawn_into(tools):
 
 def test_words_of_a_view(tools):
     shown = scene(tools)[1].views[0]
-    assert [visible_words(shown, t) for t in range(3)] == ["88 %", "100 %", "80 %"]
+    assert [visible_text(shown, t) for t in range(3)] == ["88 %", "100 %", "80 %"]
     hardly = dataclasses.replace(shown, visible_px=np.array([1, 0, 0]), amodal_px=[4500, 10, 0])
-    assert [visible_words(hardly, t) for t in range(3)] == ["1 %", "hidden", "out of view"]
-    assert merged_words(shown) == ""
+    assert [visible_text(hardly, t) for t in range(3)] == ["1 %", "hidden", "out of view"]
+    assert merged_text(shown) == ""
     pairs = np.array([[0, 1, 0], [1, 0, 1], [0, 1, 0]], bool)
-    assert merged_words(dataclasses.replace(shown, merged=pairs)) == "H+R, R+L"
+    assert merged_text(dataclasses.replace(shown, merged=pairs)) == "H+R, R+L"
 
 
 def test_hidden_and_merged_targets_and_those_behind_are_drawn(tools):
@@ -143,7 +143,7 @@ def test_hidden_and_merged_targets_and_those_behind_are_drawn(tools):
 
 def test_events_are_named_and_merges_are_not_named_twice(tools):
     truth = scene(tools, labels=("reach", "merge:head+left_hand:left_view", "hold:can"))[1]
-    assert event_words(truth) == "reach, hold:can"
+    assert script_text(truth) == "reach, hold:can"
     assert fitting("short", 400) == "short"
     cut = fitting("word " * 60, 400)
     assert cut.endswith("...")

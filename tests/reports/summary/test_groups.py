@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reports.run.results import RunInfo, load, save
+from reports.run.load import load
+from reports.run.save import RunInfo, save
 from reports.score.mot import clear_mot, hota, identity, summed_clear, summed_hota, summed_identity
 from reports.score.records import BUDGET_LEVELS, EpisodeFailure
 from reports.summary.budget import CAUSES, budget_of

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from reports.run.results import RunInfo, load, save
+from reports.run.load import load
+from reports.run.save import RunInfo, save
 from reports.score.records import EpisodeFailure
-from reports.summary.tables import number, percent, rich_table, summarise, verdict
+from reports.summary.tables import rich_table, summarise, verdict
+from reports.summary.text import number, percent
 
 
 @pytest.fixture

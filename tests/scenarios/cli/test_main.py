@@ -3,41 +3,11 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from commands import ROOT, assert_one_line, bench, in_this_process
 
-from scenarios.cli.main import main
 from scenarios.spec.names import scenario_names
-
-COMMAND = (sys.executable, "-m", "scenarios")
-ROOT = Path(__file__).parents[3]
-
-
-def bench(*words, cwd=ROOT, **environment):
-    env = {k: v for k, v in os.environ.items() if k != "MUJOCO_GL"} | environment
-    env["PYTHONPATH"] = str(ROOT)
-    return subprocess.run(
-        [*COMMAND, *map(str, words)], cwd=cwd, env=env, capture_output=True, text=True, check=False
-    )
-
-
-def in_this_process(monkeypatch, capsys, *words):
-    """The same without the two seconds in which a new process loads everything."""
-    monkeypatch.setattr(sys, "argv", ["pjpdaf-bench", *map(str, words)])
-    with pytest.raises(SystemExit) as end:
-        main()
-    said = capsys.readouterr()
-    return subprocess.CompletedProcess(words, end.value.code, said.out, said.err)
-
-
-def assert_one_line(done, code, *fragments):
-    assert done.returncode == code, done.stderr
-    assert "Traceback" not in done.stderr
-    lines = done.stderr.strip().splitlines()
-    assert len(lines) == 1, done.stderr
-    for fragment in fragments:
-        assert fragment in lines[0], lines[0]
 
 
 @pytest.mark.parametrize(
@@ -65,34 +35,34 @@ def assert_one_line(done, code, *fragments):
     ],
     ids=lambda value: "-".join(value)[:40],
 )
-def test_bad_input_is_one_line_and_exit_code_2(words, fragments, monkeypatch, capsys):
-    assert_one_line(in_this_process(monkeypatch, capsys, *words), 2, *fragments)
+def test_bad_input_is_one_line_and_exit_code_2(words, fragments):
+    assert_one_line(in_this_process(*words), 2, *fragments)
 
 
 def test_a_process_of_its_own_says_the_same():
     assert_one_line(bench("run", "dirnk"), 2, "dirnk", "did you mean drink?")
 
 
-def test_a_fault_in_a_yaml_file_has_line_and_column(tmp_path, monkeypatch, capsys):
+def test_a_fault_in_a_yaml_file_has_line_and_column(tmp_path):
     text = (ROOT / "scenarios/catalog/cross.yaml").read_text()
     file = tmp_path / "mine.yaml"
     file.write_text(text.replace("frames: 54", "framez: 48"))
     line = text[: text.index("frames: 54")].count("\n") + 1
-    done = in_this_process(monkeypatch, capsys, "run", file)
+    done = in_this_process("run", file)
     assert_one_line(done, 2, f"mine.yaml:{line}:1: framez: no such field; did you mean frames?")
 
 
-def test_an_existing_folder_is_not_overwritten(tmp_path, monkeypatch, capsys):
+def test_an_existing_folder_is_not_overwritten(tmp_path):
     (tmp_path / "keep").write_text("mine")
-    done = in_this_process(monkeypatch, capsys, "run", "cross", "--out", tmp_path)
+    done = in_this_process("run", "cross", "--out", tmp_path)
     assert_one_line(done, 2, str(tmp_path), "not empty")
     assert (tmp_path / "keep").read_text() == "mine"
 
 
-def test_a_file_as_output_folder(tmp_path, monkeypatch, capsys):
+def test_a_file_as_output_folder(tmp_path):
     file = tmp_path / "file"
     file.write_text("mine")
-    done = in_this_process(monkeypatch, capsys, "run", "cross", "--out", file)
+    done = in_this_process("run", "cross", "--out", file)
     assert_one_line(done, 2, "file")
 
 
@@ -119,9 +89,9 @@ def test_doctor_is_content_here_and_not_with_a_broken_mujoco_gl():
     assert "potato" in bad.stdout
 
 
-def test_scenarios_list_show_validate_schema(tmp_path, monkeypatch, capsys):
+def test_scenarios_list_show_validate_schema(tmp_path):
     def bench(*words):
-        return in_this_process(monkeypatch, capsys, *words)
+        return in_this_process(*words)
 
     listed = bench("scenarios", "list").stdout
     for name in ("calm_table", "drink", "cross", "bounce", "speed_ladder", "smoke"):

@@ -1,6 +1,5 @@
 """`dataset make`: whole or not at all, resumed, and the same bytes whoever makes them."""
 
-import hashlib
 import json
 import os
 import random
@@ -12,33 +11,20 @@ import time
 from pathlib import Path
 
 import pytest
-from shared import shared
+from commands import worker_pids
+from made_dataset import contents, made_dataset, request
 
 from pjpdaf.errors import BenchError
-from scenarios.dataset.make import MakeRequest, make, make_again
+from scenarios.dataset.make import make_dataset as make
 from scenarios.play.ladder import RUNGS
-from scenarios.play.play import Job
-from scenarios.play.recipe import Recipe, Settings, labels_named, read_recipe, size_named
-from scenarios.spec.scenario import digest
-from sim.dataset.checksums import read_sums, sha256_of
-from sim.dataset.reader import open_dataset, read_json
+from scenarios.play.recipe import SequenceSettings
+from sim.dataset.files.checksums import read_sums, sha256_of
+from sim.dataset.files.reading import read_json
+from sim.dataset.reader import open_dataset
 
-SMALL = Settings(("depth", "seg"), (96, 72))
 WORDS = ["cross", "recorded", "--seeds", "2", "--first-seed", "100", "--size", "96x72"]
 WORDS += ["--set", "frames=4", "--set", "background_frames=1", "--labels", "depth,seg"]
 WORDS += ["--export", "none"]
-
-
-def request(out, **changes):
-    words = {
-        "targets": ("cross", "recorded"),
-        "seeds": 1,
-        "first_seed": 100,
-        "settings": ("frames=3", "background_frames=1"),
-        "labels": SMALL,
-        "jobs": 1,
-    }
-    return MakeRequest(out=out, **(words | changes))
 
 
 def command(out, jobs=2, words=WORDS):
@@ -46,27 +32,14 @@ def command(out, jobs=2, words=WORDS):
     return [*verb, *words, "--out", str(out), "--jobs", str(jobs)]
 
 
-def contents(folder):
-    return {
-        path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
-        for path in sorted(Path(folder).rglob("*"))
-        if path.is_file()
-    }
-
-
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """An undisturbed data set of four sequences, made by one worker."""
-
-    def make_it(folder):
-        subprocess.run(command(folder / "set", jobs=1), check=True, capture_output=True)
-
-    return shared(tmp_path_factory, "made", make_it) / "set"
+    return made_dataset(tmp_path_factory)
 
 
-@pytest.mark.parametrize("jobs", [pytest.param(2, marks=pytest.mark.long), 4])
+@pytest.mark.parametrize("jobs", [2, pytest.param(4, marks=pytest.mark.long)])
 def test_any_number_of_workers_makes_the_same_bytes(made, tmp_path, jobs):
-    subprocess.run(command(tmp_path / "set", jobs), check=True, capture_output=True)
+    make(request(tmp_path / "set", jobs=jobs))
     assert contents(tmp_path / "set") == contents(made)
 
 
@@ -95,14 +68,14 @@ def assert_whole(out, made):
 
 def kill_and_go_on(out, made, rng, most_kills):
     """Start, kill parent or a worker at a random moment, look, start again; until undisturbed."""
-    kills, said = 0, out.with_name("said.txt")
+    kills, errors = 0, out.with_name("errors.txt")
     while kills < most_kills:
-        with said.open("w") as stream:
+        with errors.open("w") as stream:
             process = subprocess.Popen(command(out), stdout=subprocess.DEVNULL, stderr=stream)
         try:
             process.wait(rng.uniform(0.2, 4.0))
         except subprocess.TimeoutExpired:
-            workers = children(process.pid)
+            workers = worker_pids(process.pid)
             victim = rng.choice([process.pid, *workers]) if workers else process.pid
             try:
                 os.kill(victim, signal.SIGKILL)
@@ -111,23 +84,13 @@ def kill_and_go_on(out, made, rng, most_kills):
             kills += 1
             if victim != process.pid:
                 # The parent replaces it. A worker that is killed in its start is one of three.
-                assert process.wait(120) == 0, said.read_text()
+                assert process.wait(120) == 0, errors.read_text()
         assert_whole(out, made)
         if process.wait() == 0:
             assert contents(out) == contents(made)
             shutil.rmtree(out)
-    subprocess.run(command(out), check=True, capture_output=True)
+    make(request(out))
     assert contents(out) == contents(made)
-
-
-def children(pid):
-    """Process ids of the workers (not of Python's own resource tracker)."""
-    found = []
-    for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
-        words = Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")
-        if any(b"spawn_main" in word for word in words):
-            found.append(int(child))
-    return found
 
 
 def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(made, tmp_path):
@@ -148,15 +111,15 @@ def test_interrupted_it_keeps_what_is_finished_and_says_so(made, tmp_path):
         assert process.poll() is None
         time.sleep(0.02)
     process.send_signal(signal.SIGINT)
-    said = process.communicate(timeout=60)[1]
+    output = process.communicate(timeout=120)[1]
     assert process.returncode == 130
-    assert "sequences are in" in said
-    assert said.strip().splitlines()[-1].startswith("pjpdaf-bench: interrupted: ")
+    assert "sequences are in" in output
+    assert output.strip().splitlines()[-1].startswith("pjpdaf-bench: interrupted: ")
     assert not json.loads((out / "manifest.json").read_text())["complete"]
     assert not list(out.glob(".part-*"))
     assert_whole(out, made)
     assert len(open_dataset(out).sequences) >= 2
-    subprocess.run(command(out), check=True, capture_output=True)
+    make(request(out))
     assert contents(out) == contents(made)
 
 
@@ -176,27 +139,33 @@ def test_a_second_maker_is_refused(tmp_path):
 
 
 OTHERS = (
-    ({"labels": Settings(("depth",), (96, 72))}, r"other settings: labels \['depth', 'seg'\]"),
-    ({"labels": Settings(("depth", "seg"), (64, 48))}, r"other settings: size_px \[96, 72\]"),
-    ({"seeds": 2}, r"other scenarios or seeds \(2 sequences, asked for 4\)"),
+    (
+        {"labels": SequenceSettings(("depth",), (96, 72))},
+        r"other settings: labels \['depth', 'seg'\]",
+    ),
+    (
+        {"labels": SequenceSettings(("depth", "seg"), (64, 48))},
+        r"other settings: size_px \[96, 72\]",
+    ),
+    ({"seeds": 1}, r"other scenarios or seeds \(4 sequences, asked for 2\)"),
     ({"settings": ("frames=2", "background_frames=1")}, "other scenarios or seeds"),
     ({"ladder": True}, "other settings: ladder False, asked for True"),
 )
 
 
-def test_a_data_set_of_other_settings_is_left_alone(tmp_path):
+def test_a_data_set_of_other_settings_is_left_alone(made, tmp_path):
     out = tmp_path / "set"
-    make(request(out))
+    shutil.copytree(made, out)
     before = contents(out)
-    for changes, said in OTHERS:
-        with pytest.raises(BenchError, match=said):
+    for changes, message in OTHERS:
+        with pytest.raises(BenchError, match=message):
             make(request(out, **changes))
     assert contents(out) == before
 
 
 def test_a_folder_with_something_else_in_it_is_left_alone(tmp_path):
     (tmp_path / "mine.txt").write_text("mine")
-    with pytest.raises(BenchError, match=r"is not empty \(mine.txt\) and no data set"):
+    with pytest.raises(BenchError, match=r"is not empty \(mine.txt\) and not a data set"):
         make(request(tmp_path))
     (tmp_path / "file").write_text("")
     with pytest.raises(BenchError, match="file"):
@@ -226,75 +195,11 @@ def test_a_full_disk_is_one_line_and_what_is_finished_stays(made):
     assert ".part" not in done.stdout
 
 
-def test_a_recipe_makes_a_sequence_and_a_frame_of_it_again(made, tmp_path):
-    for number in (1, 2):  # of a pair of twins; with a clip, which lies beside it
-        folder = made / f"seq_{number:06d}"
-        said = make_again(folder / "recipe.json", tmp_path / f"again{number}")
-        assert said == f"sequence: {tmp_path / f'again{number}'}"
-        assert contents(tmp_path / f"again{number}") == contents(folder)
-        make_again(folder / "recipe.json", tmp_path / f"one{number}", frame=2)
-        pictures = {k: v for k, v in contents(tmp_path / f"one{number}").items() if "/" in k}
-        assert set(pictures) == {
-            f"{kind}_{side}/000003.png".lstrip("_")
-            for kind in ("", "depth", "seg")
-            for side in ("left", "right")
-        }
-        assert pictures.items() <= contents(folder).items()
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"seed": -1}, "seed must be a whole number"),
-        ({"seed": 5}, "its digest is not that of its scenario"),
-        ({"overrides": {"speed": "1"}}, "has no parameter 'speed'"),
-        ({"kind": "x"}, "is not a recipe of version 1"),
-        ({"settings": {"labels": ["x"], "size_px": None}}, "settings.labels x: must be of clean"),
-        ({"settings": {"labels": [], "size_px": [1, 10**9]}}, "both must be from 32 to 4096"),
-        ({"files": {"clip": {"name": "../../x.csv", "sha256": ""}}}, "must lie in the folder"),
-        (
-            {"files": {}, "overrides": {"clip": "/etc/hosts.csv"}},
-            "overrides.clip: its file is not among files",
-        ),
-        ({"overrides": {"clip": "/etc/hosts.csv"}}, "its digest is not that"),
-    ],
-)
-def test_a_recipe_that_was_edited_is_one_line(made, tmp_path, change, said):
-    folder = tmp_path / "seq"
-    shutil.copytree(made / "seq_000002", folder)
-    record = json.loads((folder / "recipe.json").read_text())
-    record |= change
-    with pytest.raises(BenchError, match=r"recipe\.json") as caught:
-        read_recipe(record, folder)
-    assert "\n" not in str(caught.value)
-    assert said in str(caught.value)
-
-
-def test_a_recipe_of_a_scenario_of_ones_own_needs_nothing_else(made, tmp_path):
-    """As if its catalogue had changed since: the scenario in the recipe counts."""
-    folder = tmp_path / "seq"
-    shutil.copytree(made / "seq_000002", folder)
-    record = json.loads((folder / "recipe.json").read_text())
-    known = read_recipe(record, folder).job
-    scenario = known.scenario.model_copy(update={"summary": "One's own."})
-    own = Recipe(Job(scenario, known.seed, known.overrides, known.system), SMALL)
-    written = json.loads(json.dumps(own.record(0)))
-    assert digest(read_recipe(written, folder).job.scenario) == digest(scenario)
-    shutil.rmtree(folder / "files")
-    with pytest.raises(BenchError, match=r"files\.clip: no such file"):
-        read_recipe(written, folder)
-    with pytest.raises(BenchError, match=r"scenario\.parameters\.clip"):
-        read_recipe(written | {"files": {}}, folder)
-    written["scenario"]["summary"] = "Edited."
-    with pytest.raises(BenchError, match=r"files\.clip|its scenario is not the one"):
-        read_recipe(written, folder)
-
-
 def test_the_ladder_has_the_same_poses_on_every_rung(tmp_path):
     out = tmp_path / "set"
-    larger = Settings(("depth", "seg"), (320, 240))  # so that something moves by pixels
-    words = ("frames=3", "fps=1", "background_frames=1")
-    make(request(out, targets=("cross",), ladder=True, settings=words, labels=larger))
+    larger = SequenceSettings(("depth", "seg"), (240, 180))  # so that something moves by pixels
+    settings = ("frames=3", "fps=1", "background_frames=1")
+    make(request(out, targets=("cross",), seeds=1, ladder=True, settings=settings, labels=larger))
     dataset = open_dataset(out)
     assert [s.entry["rung"] for s in dataset.sequences] == list(RUNGS)
     by_rung = dict(zip(RUNGS, dataset.sequences, strict=True))
@@ -319,31 +224,14 @@ def test_the_ladder_has_the_same_poses_on_every_rung(tmp_path):
 
 def test_a_size_changes_the_pictures_and_not_what_is_seen(made, tmp_path):
     out = tmp_path / "set"
-    make(request(out, targets=("cross",), labels=Settings(("seg",), (192, 144))))
+    short = ("frames=2", "background_frames=1")
+    labels = SequenceSettings(("seg",), (192, 144))
+    make(request(out, targets=("cross",), seeds=1, settings=short, labels=labels))
     large, small = open_dataset(out).sequences[0], open_dataset(made).sequences[0]
     assert large.seg(0, 0).shape == (144, 192)
     assert large.rig.left.K[0, 0] == pytest.approx(2 * small.rig.left.K[0, 0])
     share = [(s.seg(0, 0) == 1).mean() for s in (large, small)]
     assert share[0] == pytest.approx(share[1], rel=0.1)
-
-
-@pytest.mark.parametrize("words", ["12", "0x5", "axb", "64x", "64x5000", "-64x64", "1e3x64"])
-def test_a_size_that_is_none_is_one_line(words):
-    with pytest.raises(BenchError, match="--size"):
-        size_named(words)
-
-
-def test_the_size_that_scenarios_have_is_no_change():
-    assert size_named("640x480") is None
-    assert size_named("320x240") == (320, 240)
-
-
-def test_labels_are_named_in_any_order():
-    assert labels_named("seg,depth") == ("depth", "seg")
-    assert labels_named("none") == ()
-    assert "float" in labels_named("all")
-    with pytest.raises(BenchError, match="--labels masks: must be of clean, depth"):
-        labels_named("masks")
 
 
 def test_a_tracker_is_not_part_of_a_data_set(tmp_path):
@@ -358,7 +246,8 @@ def test_a_data_set_of_another_renderer_is_not_gone_on_with(made, tmp_path):
     record = read_json(out / "manifest.json")
     record["made_with"]["renderer"] = "another"
     (out / "manifest.json").write_text(json.dumps(record | {"complete": False}))
-    done = subprocess.run(command(out), capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert "was begun with another OpenGL library or other versions" in done.stderr
+    message = "was begun with another OpenGL library or other versions"
+    with pytest.raises(BenchError, match=message) as fault:
+        make(request(out))
+    assert fault.value.exit_code == 2
     assert not (out / "seq_000001").exists()

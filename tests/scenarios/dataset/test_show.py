@@ -7,14 +7,15 @@ import cv2
 import pytest
 
 from pjpdaf.errors import BenchError, InfrastructureError
-from scenarios.dataset.make import entry_of, write_recipe
+from scenarios.dataset.sequence_plan import sequence_entry
+from scenarios.dataset.sequence_task import write_recipe
 from scenarios.dataset.show import ShowDatasetRequest, show_dataset
-from scenarios.play.play import Job, System
-from scenarios.play.recipe import Recipe, Settings
+from scenarios.play.job import Job, System
+from scenarios.play.recipe import Recipe, SequenceSettings
 from scenarios.spec.names import load_scenario
-from sim.dataset.manifest import manifest_record, write_manifest
+from sim.dataset.files.manifest import manifest_record, write_manifest
 
-SETTINGS = Settings(("depth", "seg"), (96, 72))
+SETTINGS = SequenceSettings(("depth", "seg"), (96, 72))
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +28,7 @@ def made(tmp_path_factory):
         changes = {"frames": frames, "background_frames": 1}
         job = Job(load_scenario("cross"), 100 + index, changes, System(), label="cross")
         recipe = Recipe(job, SETTINGS)
-        entries.append(entry_of(index, recipe))
+        entries.append(sequence_entry(index, recipe))
         if index != 1:
             (folder / entries[-1].folder).mkdir()
             write_recipe(recipe, folder / entries[-1].folder)
@@ -71,7 +72,7 @@ def test_one_sequence_alone_has_more_frames_on_the_sheet(made, tmp_path):
     assert heights[1] > 2.5 * heights[0]  # twelve frames, two a row; before two rows
     page = (tmp_path / "one" / "page.html").read_text()
     assert "<title>set, seq_000002</title>" in page
-    assert page.count('id="clip-') == 1
+    assert page.count('id="sequence-') == 1
     assert "<dd>14</dd>" in page
 
 
@@ -86,7 +87,7 @@ def test_what_cannot_be_shown_is_said_and_leaves_nothing(made, tmp_path):
     assert not (made / "new").exists()
     with pytest.raises(BenchError, match="Make its folder first"):
         show_dataset(ShowDatasetRequest(made, tmp_path / "no" / "sheet.png"))
-    with pytest.raises(BenchError, match="is no data set"):
+    with pytest.raises(BenchError, match="is not a data set"):
         show_dataset(ShowDatasetRequest(tmp_path, out))
     with pytest.raises(BenchError, match=r"must end in \.rrd"):
         show_dataset(ShowDatasetRequest(made, rerun=tmp_path / "x.mp4"))

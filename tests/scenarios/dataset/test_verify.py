@@ -6,11 +6,12 @@ import shutil
 import pytest
 
 from pjpdaf.errors import BenchError
-from scenarios.dataset.verify import VerifyRequest, cast_rays, verify_dataset
-from scenarios.play.play import Job, System
-from scenarios.play.recipe import Recipe, Settings
+from scenarios.dataset.rays import compare_with_rays
+from scenarios.dataset.verify import VerifyRequest, verify_dataset
+from scenarios.play.job import Job, System
+from scenarios.play.recipe import Recipe, SequenceSettings
 from scenarios.spec.names import load_scenario
-from sim.dataset.manifest import Entry, manifest_record, write_manifest
+from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
 from sim.dataset.writer import write_sequence
 from sim.sequence import Simulation
 
@@ -23,12 +24,12 @@ def made(tmp_path_factory):
     (folder / SEQ).mkdir(parents=True)
     scenario = load_scenario("cross")
     job = Job(scenario, 161, {"frames": 5, "fps": 1, "background_frames": 1}, System())
-    recipe = Recipe(job, Settings(("seg", "depth"), (320, 240)))
+    recipe = Recipe(job, SequenceSettings(("seg", "depth"), (320, 240)))
     performance = recipe.performance()
     record = recipe.record(performance.redrawn)
     with Simulation(performance) as simulation:
         write_sequence(simulation, folder / SEQ, recipe.settings.labels, record)
-    entry = Entry(
+    entry = SequenceEntry(
         SEQ, "cross", record["label"], scenario.group, 161, "", record["digest"], 5, performance.fps
     )
     write_manifest(folder, manifest_record([entry], recipe.settings.record(), {}, complete=True))
@@ -46,7 +47,7 @@ def test_a_whole_data_set_passes_and_says_how_exact_it_is(made, capsys):
     lines = capsys.readouterr().out.splitlines()
     assert [line.partition(":")[0] for line in lines[:3]] == ["rays"] * 3
     assert lines[-1] == f"{made}: 1 sequence, no fault"
-    cast = cast_rays(made, 2)
+    cast = compare_with_rays(made, 2)
     assert cast.figures is not None
     assert cast.figures.met
     assert cast.figures.pixels == 2 * 2 * 320 * 240
@@ -69,9 +70,9 @@ def test_labels_that_agree_with_each_other_but_not_with_the_recipe_are_found(cop
         for camera in ("left", "right"):
             folder = copy / SEQ / f"{kind}_{camera}"
             shutil.copy(folder / "000001.png", folder / "000005.png")
-    cast = cast_rays(copy, 5)
+    cast = compare_with_rays(copy, 5)
     assert [fault.file for fault in cast.faults] == [SEQ]
-    assert "is not what its recipe makes" in cast.faults[0].what
+    assert "is not what its recipe makes" in cast.faults[0].text
 
 
 def test_a_recipe_that_cannot_be_made_is_said(copy):
@@ -79,13 +80,13 @@ def test_a_recipe_that_cannot_be_made_is_said(copy):
     record = json.loads(path.read_text())
     record["seed"] = 162
     path.write_text(json.dumps(record))
-    cast = cast_rays(copy, 1)
+    cast = compare_with_rays(copy, 1)
     assert cast.figures is None
     assert "digest" in cast.refused[0]
 
 
 def test_no_data_set_and_wrong_numbers_are_refused(tmp_path, made):
-    with pytest.raises(BenchError, match="is no data set"):
+    with pytest.raises(BenchError, match="is not a data set"):
         verify_dataset(VerifyRequest(tmp_path))
     with pytest.raises(BenchError, match="--rays must be 0 or more"):
         verify_dataset(VerifyRequest(made, rays=-1))

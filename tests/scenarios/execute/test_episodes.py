@@ -4,13 +4,13 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
+from commands import wait_until
 
 from scenarios.execute.episodes import _play_safely
-from scenarios.play.play import Job, System
+from scenarios.play.job import Job, System
 from scenarios.spec.names import load_scenario
 
 PARENT = """
@@ -46,10 +46,7 @@ def test_worker_ends_with_a_killed_parent(tmp_path):
         worker = int(parent.stdout.readline())
         assert runs(worker)
         parent.send_signal(signal.SIGKILL)
-        deadline = time.monotonic() + 20
-        while runs(worker) and time.monotonic() < deadline:
-            time.sleep(0.05)
-    assert not runs(worker)
+        wait_until(lambda: not runs(worker))
 
 
 PLUG_INS = """

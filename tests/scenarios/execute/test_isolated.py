@@ -58,7 +58,7 @@ def test_code_that_raises_is_told_as_ever(here):
 
 
 def test_presets_start_no_process(monkeypatch):
-    monkeypatch.setattr("scenarios.execute.isolated.Workers", None)
+    monkeypatch.setattr("scenarios.execute.isolated.WorkerPool", None)
     try_plug_ins("thesis", "thesis-literal")
 
 

@@ -14,6 +14,7 @@ from pjpdaf.boards import Board, charuco_board
 from pjpdaf.calibrate import calibrate
 from pjpdaf.calibration import read_rig
 from pjpdaf.camera import Camera, StereoRig
+from pjpdaf.sources import picture_pairs
 from sim.camera.render import StereoRenderer
 from sim.gl import load_mujoco
 from sim.scene.world import compiled
@@ -188,7 +189,7 @@ def test_the_command_recovers_the_cameras_and_names_bad_pairs(chess, tmp_path):
 
 
 def test_a_rendered_chessboard_gives_the_parameters_within_their_uncertainty(chess):
-    report = calibrate(chess / "left", chess / "right", CHESS)
+    report = calibrate(picture_pairs(chess / "left", chess / "right"), CHESS)
     assert_recovered(report, true_rig())
     assert report.rms_stereo_px < 0.15
 
@@ -199,7 +200,7 @@ def test_a_rendered_charuco_board_likewise(tmp_path):
     done = bench(*sides(tmp_path), *words, "--out", tmp_path / "cal")
     assert done.returncode == 0, done.stderr
     assert f"{PAIRS} of {PAIRS} pairs used" in done.stdout
-    report = calibrate(tmp_path / "left", tmp_path / "right", CHARUCO)
+    report = calibrate(picture_pairs(tmp_path / "left", tmp_path / "right"), CHARUCO)
     assert_recovered(report, true_rig())
     np.testing.assert_allclose(read_rig(tmp_path / "cal").T, report.rig.T, atol=1e-9)
 

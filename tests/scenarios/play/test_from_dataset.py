@@ -14,14 +14,18 @@ import pytest
 import sim.dataset
 from pjpdaf.errors import BenchError
 from reports.gate.gate import compare
-from reports.run.results import RunInfo, load, save, tables_of
+from reports.run.load import load
 from reports.run.rows import rows_of
-from scenarios.play.play import Job, System, digest_of, play
-from scenarios.play.recipe import Recipe, Settings
-from scenarios.run.run import RunRequest, entry_of, plan
+from reports.run.save import RunInfo, save
+from reports.run.tables import tables_of
+from scenarios.play.job import Job, System, digest_of
+from scenarios.play.plan import PlanRequest, plan
+from scenarios.play.play import play_complete
+from scenarios.play.recipe import Recipe, SequenceSettings
+from scenarios.run.save_run import scenario_record
 from scenarios.spec.names import load_scenario
-from sim.dataset.layout import sequence_name
-from sim.dataset.manifest import Entry, manifest_record, write_manifest
+from sim.dataset.files.layout import sequence_name
+from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
 from sim.dataset.writer import write_sequence
 from sim.sequence import Simulation
 
@@ -45,14 +49,14 @@ def make(folder, jobs, size_px=None):
     folder.mkdir()
     entries = []
     for index, one in enumerate(jobs):
-        recipe = Recipe(one, Settings((), size_px))
+        recipe = Recipe(one, SequenceSettings((), size_px))
         target = folder / sequence_name(index)
         target.mkdir()
         with Simulation(recipe.performance()) as simulation:
             write_sequence(simulation, target, (), recipe.record(simulation.redrawn))
         name, frames = one.scenario.name, int(one.overrides["frames"])
         entries.append(
-            Entry(
+            SequenceEntry(
                 target.name,
                 name,
                 one.name,
@@ -81,18 +85,17 @@ def copied(made, tmp_path):
 
 
 def request(dataset, **changes):
-    asked = RunRequest((), None, "thesis", "thesis", "thesis", (), 1, None, ())
-    return replace(asked, dataset=dataset, **changes)
+    return PlanRequest(dataset=dataset, **{"keep_pictures": True, **changes})
 
 
 @pytest.fixture(scope="module")
 def live():
-    return [rows_of(play(replace(one, keep_pictures=True))) for one in JOBS]
+    return [rows_of(play_complete(replace(one, keep_pictures=True))) for one in JOBS]
 
 
 @pytest.fixture(scope="module")
 def kept(made):
-    return [rows_of(play(one)) for one in plan(request(made))]
+    return [rows_of(play_complete(one)) for one in plan(request(made))]
 
 
 def test_every_table_is_that_of_the_live_run(live, kept):
@@ -107,9 +110,9 @@ def test_every_table_is_that_of_the_live_run(live, kept):
 
 
 def test_compare_takes_both_for_the_same(live, kept, made, tmp_path):
-    entries = {one.name: entry_of(one) for one in JOBS}
+    entries = {one.name: scenario_record(one) for one in JOBS}
     jobs = plan(request(made))
-    assert {one.name: entry_of(one) for one in jobs} == entries
+    assert {one.name: scenario_record(one) for one in jobs} == entries
     saved = [
         load(save(tmp_path / name, rows, RunInfo(name, entries=entries)))
         for name, rows in (("live", live), ("kept", kept))
@@ -122,10 +125,11 @@ def test_compare_takes_both_for_the_same(live, kept, made, tmp_path):
 SCRIPT = """
 import sys
 from pathlib import Path
+from scenarios.play.plan import PlanRequest
 from scenarios.run.run import RunRequest, run_suite
 out, jobs, dataset = sys.argv[1:]
-run_suite(RunRequest((), None, "thesis", "thesis", "thesis", (), int(jobs), Path(out), (),
-                     films=True, dataset=Path(dataset)))
+plan = PlanRequest(keep_pictures=True, keep_films=True, dataset=Path(dataset))
+run_suite(RunRequest(plan, jobs=int(jobs), out=Path(out)))
 """
 
 
@@ -152,16 +156,16 @@ def test_a_whole_run_needs_no_renderer(made, live, tmp_path):
 
 
 def test_only_and_slim_and_films(made):
-    (one,) = plan(request(made, only=("cross+noise",), slim=True, films=True))
+    (one,) = plan(request(made, only=("cross+noise",), keep_pictures=False))
     assert (one.name, one.seed) == ("cross+noise", 102)
     assert not one.keep_pictures
     assert not one.keep_film
-    assert all(one.keep_film and one.keep_pictures for one in plan(request(made, films=True)))
+    assert all(one.keep_film and one.keep_pictures for one in plan(request(made, keep_films=True)))
 
 
 def test_another_tracker_gives_another_result_on_the_same_pictures(made, kept):
     changed = plan(request(made, settings=("tracker.gate=0.5",), only=("cross",)))
-    (row,) = [rows_of(play(one)) for one in changed]
+    (row,) = [rows_of(play_complete(one)) for one in changed]
     assert row.digest == kept[0].digest
     assert row.truth == kept[0].truth
     assert row.frames["error_mm"] != kept[0].frames["error_mm"]
@@ -177,7 +181,7 @@ def test_another_tracker_gives_another_result_on_the_same_pictures(made, kept):
         ({"only": ("cros",)}, "--only cros: not in it; did you mean cross?"),
         ({"tracker": "nobody"}, "nobody"),
         ({"settings": ("tracker.gat=4",)}, "gat"),
-        ({"dataset": Path("nowhere")}, "nowhere: is no data set"),
+        ({"dataset": Path("nowhere")}, "nowhere: is not a data set"),
     ],
 )
 def test_what_does_not_fit_is_one_line_before_anything_is_played(made, changes, said):
@@ -224,7 +228,7 @@ def test_a_damaged_picture_is_named(copied):
     path = path if path.exists() else copied / "seq_000001/left/000003.png"
     path.write_bytes(path.read_bytes()[:-40])
     with pytest.raises(BenchError, match=rf"{path.name}: is a damaged PNG"):
-        play(plan(request(copied))[1])
+        play_complete(plan(request(copied))[1])
 
 
 def test_pictures_of_another_size_are_another_episode(tmp_path):
@@ -232,7 +236,7 @@ def test_pictures_of_another_size_are_another_episode(tmp_path):
     (one,) = plan(request(small))
     assert one.size_px == (160, 120)
     assert digest_of(one) != digest_of(job("cross", 101, frames=2))
-    episode = play(one)
+    episode = play_complete(one)
     assert episode.digest == digest_of(one)
     assert (episode.cameras[0].width_px, episode.cameras[0].height_px) == (160, 120)
 
@@ -242,6 +246,6 @@ def test_the_pictures_are_really_read(copied):
     for path in (copied / "seq_000000/left").iterdir():
         picture = cv2.imread(str(path))
         cv2.imwrite(str(path), picture * 0)
-    before = rows_of(play(plan(request(copied))[0]))
+    before = rows_of(play_complete(plan(request(copied))[0]))
     assert all(seen == "right" for seen in before.detections["view"])
     assert sim.dataset.open(copied).sequences[0].frame_count == 8

@@ -8,18 +8,25 @@ from pathlib import Path
 import pytest
 
 from pjpdaf.errors import BenchError
-from reports.run.rows import METRICS_VERSION
-from scenarios.play.suite_lock import faults, main, read_lock, shipped_stamps, stamp, updated
+from reports.run.schema import METRICS_VERSION
+from scenarios.play.suite_lock import (
+    faults,
+    main,
+    read_lock,
+    shipped_records,
+    suite_record,
+    updated_lock,
+)
 from scenarios.spec.loader import parse
 from scenarios.spec.names import load_suite, suite_names
-from scenarios.spec.scenario import Suite
+from scenarios.spec.suite import Suite
 
 SUITES = Path(__file__).parents[3] / "scenarios" / "suites"
 
 
 @pytest.fixture(scope="module")
 def stamps():
-    return shipped_stamps()
+    return shipped_records()
 
 
 def suite_of(*entries, version=1, seeds=2):
@@ -35,7 +42,9 @@ def test_the_shipped_suites_are_what_the_lock_says(stamps):
 
 
 def test_a_stamp_names_every_entry_in_order_with_seeds_and_digest():
-    found = stamp(suite_of("scenario: cross", "scenario: drink, label: drink+short, frames: 9"))
+    found = suite_record(
+        suite_of("scenario: cross", "scenario: drink, label: drink+short, frames: 9")
+    )
     assert list(found["entries"]) == ["cross", "drink+short"]
     scenario, seeds, digest = found["entries"]["drink+short"].split()
     assert scenario.startswith("drink@")
@@ -56,9 +65,9 @@ def test_a_stamp_names_every_entry_in_order_with_seeds_and_digest():
     ids=["order", "frames", "seeds", "overrides", "fewer"],
 )
 def test_whatever_changes_what_is_played_changes_the_digest(other):
-    plain = stamp(suite_of("scenario: cross", "scenario: drink"))
-    assert stamp(suite_of("scenario: cross", "scenario: drink")) == plain
-    assert stamp(other)["digest"] != plain["digest"]
+    plain = suite_record(suite_of("scenario: cross", "scenario: drink"))
+    assert suite_record(suite_of("scenario: cross", "scenario: drink")) == plain
+    assert suite_record(other)["digest"] != plain["digest"]
 
 
 def changed(stamps, name, label, text):
@@ -102,10 +111,10 @@ def test_an_update_keeps_old_versions_and_refuses_to_change_a_locked_one(stamps)
     label, entry = next(iter(stamps[name]["entries"].items()))
     now = changed(stamps, name, label, f"{entry[:-64]}{'1' * 64}")
     with pytest.raises(BenchError, match="is locked, but has changed"):
-        updated(stamps, now)
-    assert updated(stamps, now, replace=True) == now
+        updated_lock(stamps, now)
+    assert updated_lock(stamps, now, replace=True) == now
     older = {"old@1": {"digest": "x", "entries": {}}}
-    assert updated(older, stamps) == {**older, **stamps}
+    assert updated_lock(older, stamps) == {**older, **stamps}
 
 
 def test_the_command_writes_the_lock_and_says_what_it_refuses(tmp_path, monkeypatch, capsys):
@@ -115,7 +124,7 @@ def test_the_command_writes_the_lock_and_says_what_it_refuses(tmp_path, monkeypa
     monkeypatch.setattr(module, "__file__", str(tmp_path / "play" / "suite_lock.py"))
     assert main(["--replace"]) == 0
     written = json.loads((tmp_path / "suites" / "lock.json").read_text())
-    assert {name: written[name] for name in shipped_stamps()} == shipped_stamps()
+    assert {name: written[name] for name in shipped_records()} == shipped_records()
     name = next(iter(sorted(written)))
     wrong = {name: {**written[name], "entries": {}}}
     monkeypatch.setattr(module, "read_lock", lambda: wrong)

@@ -8,10 +8,12 @@ import pytest
 
 from pjpdaf.errors import BenchError
 from reports.gate.pairing import NotComparable
-from reports.run.results import RunInfo, load, save, save_slim
-from scenarios.execute.episodes import play_all
-from scenarios.play.play import Job, System
-from scenarios.play.targets import parts_of
+from reports.run.load import load
+from reports.run.rows import rows_of
+from reports.run.save import RunInfo, save, save_slim
+from scenarios.play.job import Job, System
+from scenarios.play.play import play_complete
+from scenarios.play.targets import expand_target
 from scenarios.run.compare import FILES, CompareRequest, compare_runs, sentence, verdict_table
 from scenarios.run.margins import load_margins, read_margins
 
@@ -25,13 +27,13 @@ SYSTEMS = {
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
     folder = tmp_path_factory.mktemp("compare")
-    (part,) = parts_of("cross")
+    (part,) = expand_target("cross")
     jobs = [
         Job(part.scenario, seed, {"frames": 8}, system)
         for system in SYSTEMS.values()
         for seed in range(100, 103)
     ]
-    rows = play_all(jobs, 2).rows
+    rows = [rows_of(play_complete(job)) for job in jobs]
     for k, name in enumerate(SYSTEMS):
         save(folder / name, rows[3 * k : 3 * k + 3], RunInfo(name))
         save_slim(load(folder / name), folder / f"{name}-slim")
@@ -108,8 +110,8 @@ def test_a_run_against_itself_says_so(runs, tmp_path, capsys):
 
 
 def test_unlike_runs_are_exit_code_4_and_write_nothing(runs, tmp_path):
-    (part,) = parts_of("cross")
-    rows = play_all([Job(part.scenario, 100, {"frames": 7}, System())], 1).rows
+    (part,) = expand_target("cross")
+    rows = [rows_of(play_complete(Job(part.scenario, 100, {"frames": 7}, System())))]
     save(tmp_path / "short", rows, RunInfo("short"))
     with pytest.raises(NotComparable, match="lacks 2 of 3 episodes") as caught:
         compare_runs(request(runs, "base", tmp_path / "short", out=tmp_path / "o"))

@@ -7,60 +7,48 @@ import pytest
 
 from reports.gate.gate import compare
 from reports.gate.pairing import NotComparable
-from reports.run.results import load
+from reports.run.load import load
 from scenarios.execute.episodes import play_all
-from scenarios.play.play import digest_of
+from scenarios.play.job import digest_of
+from scenarios.play.plan import PlanRequest, plan
 from scenarios.run.compare import CompareRequest, compare_runs
 from scenarios.run.escalate import (
     FIRST_RESERVE_SEED,
     LOOKS,
     ROUNDS,
     CannotEscalate,
-    by_hand,
     escalate,
-    planned,
+    manual_command,
+    planned_jobs,
     play_round,
     refusal,
     request_of,
     reserve_jobs,
     same_episode,
 )
-from scenarios.run.run import RunRequest, plan, record
+from scenarios.run.save_run import save_run
 
 
 def asked(*settings, targets=("cross",), seeds=2, first_seed=100):
-    return RunRequest(
-        targets=targets,
-        seeds=seeds,
-        preset="thesis",
-        detector="thesis",
-        tracker="thesis",
-        settings=("frames=8", *settings),
-        jobs=None,
-        out=None,
-        argv=(),
-        first_seed=first_seed,
-    )
+    return PlanRequest(targets, seeds, first_seed, settings=("frames=8", *settings))
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory):
+def runs(tmp_path_factory, executor):
     folder = tmp_path_factory.mktemp("reserve")
     found = []
     for name, settings in {"base": (), "new": ("tracker.measurement_px2=1e7",)}.items():
         request = asked(*settings)
         jobs = plan(request)
-        found.append(record(request, jobs, play_all(jobs, 2), folder / name))
+        found.append(save_run(request, jobs, play_all(jobs, executor), folder / name))
     return found
 
 
 def test_a_run_says_all_that_is_needed_to_go_on_with_it(runs):
     for run in runs:
         again = load(run.folder)
-        assert replace(request_of(again), slim=False) == asked(
-            *again.meta["request"]["settings"][1:]
-        )
-        jobs = planned(again)
+        assert request_of(again) == asked(*again.meta["request"]["settings"][1:])
+        jobs = planned_jobs(again)
         assert [job.seed for job in jobs] == [100, 101]
         assert jobs[0].system.tracker_settings == dict(
             pair.removeprefix("tracker.").split("=")
@@ -69,7 +57,7 @@ def test_a_run_says_all_that_is_needed_to_go_on_with_it(runs):
 
 
 def test_the_reserve_is_new_seeds_in_the_sizes_that_were_fixed(runs):
-    jobs = planned(runs[0])
+    jobs = planned_jobs(runs[0])
     seeds = [[job.seed - FIRST_RESERVE_SEED for job in reserve_jobs(jobs, k)] for k in range(3)]
     assert seeds == [[0, 1], [2, 3, 4, 5], [6, 7, 8, 9, 10, 11, 12, 13]]
     assert ROUNDS == (1, 2, 4)
@@ -84,12 +72,14 @@ def test_scenarios_of_a_suite_keep_their_own_number_of_seeds():
     assert found == [*(("cross", k) for k in range(3, 9)), ("drink", 1), ("drink", 2)]
 
 
-def test_a_round_is_played_for_both_saved_and_joined(runs, tmp_path):
-    plans = [planned(run) for run in runs]
+def test_a_round_is_played_for_both_saved_and_joined(executor, runs, tmp_path):
+    plans = [planned_jobs(run) for run in runs]
     done = []
-    grown = play_round(
-        runs, plans, 0, 2, tmp_path, lambda number, episodes: lambda row: done.append(episodes)
-    )
+
+    def on_round(number, episodes):
+        return lambda row: done.append(episodes)
+
+    grown = play_round(runs, plans, 0, executor, tmp_path, on_round)
     assert done == [4] * 4
     for run, name in zip(grown, ("base", "new"), strict=True):
         assert run.meta["scenarios"][0]["seeds"] == [100, 101, 1_000_000, 1_000_001]
@@ -106,9 +96,9 @@ def test_a_round_is_played_for_both_saved_and_joined(runs, tmp_path):
         compare(runs[0], grown[1])
 
 
-def test_an_episode_played_again_is_recognised_and_another_is_not(runs):
-    job = planned(runs[0])[0]
-    (row,) = play_all([job], 1).rows
+def test_an_episode_played_again_is_recognised_and_another_is_not(executor, runs):
+    job = planned_jobs(runs[0])[0]
+    (row,) = play_all([job], executor).rows
     assert same_episode(runs[0], row)
     assert not same_episode(runs[1], row)
 
@@ -136,19 +126,19 @@ def test_only_the_very_code_that_made_both_runs_goes_on_with_them(runs):
 
 
 def test_what_cannot_be_continued_says_how_to_do_it_by_hand(runs):
-    assert by_hand(runs[1], "so it is") == (
+    assert manual_command(runs[1], "so it is") == (
         "inconclusive, and the reserve cannot be played here: so it is; play it with each of the "
         "two versions and compare these runs: pjpdaf-bench run cross --set frames=8 "
         "--set tracker.measurement_px2=1e7 --first-seed 1000000 --seeds 14 --slim --out DIR"
     )
     other = [{**one, "digests": ["x", "y"]} for one in runs[0].meta["scenarios"]]
     with pytest.raises(CannotEscalate, match="have changed") as caught:
-        planned(replace(runs[0], meta={**runs[0].meta, "scenarios": other}))
+        planned_jobs(replace(runs[0], meta={**runs[0].meta, "scenarios": other}))
     assert caught.value.exit_code == 3
 
 
 def test_the_digests_of_the_reserve_do_not_depend_on_the_system(runs):
-    jobs = [reserve_jobs(planned(run), 0) for run in runs]
+    jobs = [reserve_jobs(planned_jobs(run), 0) for run in runs]
     assert [digest_of(job) for job in jobs[0]] == [digest_of(job) for job in jobs[1]]
 
 
@@ -186,7 +176,7 @@ def verb(runs, out):
 
 
 @pytest.mark.long  # 28 episodes
-def test_the_reserve_decides_what_two_seeds_cannot(runs, tmp_path):
+def test_the_reserve_decides_what_two_seeds_cannot(executor, runs, tmp_path):
     base, new = (with_provenance(run) for run in runs)
     here = base.meta["provenance"]
     rounds = []
@@ -196,7 +186,7 @@ def test_the_reserve_decides_what_two_seeds_cannot(runs, tmp_path):
         return lambda row: None
 
     assert compare(base, new, looks=LOOKS).verdict == "inconclusive"
-    verdict = escalate(base, new, {}, 4, tmp_path, on_round, here)
+    verdict = escalate(base, new, {}, executor, tmp_path, on_round, here)
     assert rounds == [4, 8, 16][: len(rounds)]
     assert verdict.episodes == 2 + sum(rounds) // 2
     assert verdict.looks == LOOKS

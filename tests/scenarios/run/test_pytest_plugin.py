@@ -43,7 +43,7 @@ def test_own(pjpdaf_run, assert_no_regression):
 
 
 def test_own_without_a_baseline(assert_no_regression):
-    from reports.run.results import load
+    from reports.run.load import load
     from scenarios.run.pytest_plugin import BenchRun
 
     assert_no_regression(BenchRun("nothing", load(Path("base/test_own"))))
@@ -72,7 +72,8 @@ def test_a_run_is_played_and_held_against_its_baseline(folder):
     size = sum(p.stat().st_size for p in (folder / "base" / "test_runs").iterdir())
     assert size < 60_000
     (folder / "mine.py").write_text(
-        "from pjpdaf.presets.parameters import find_preset, override\n"
+        "from pjpdaf.presets.override import override\n"
+        "from pjpdaf.presets.registry import find_preset\n"
         "from pjpdaf.tracker.filter import PJPDAF\n"
         "def make(cameras):\n"
         "    changed = override(find_preset('thesis'), {'measurement_px2': '1e7'})\n"

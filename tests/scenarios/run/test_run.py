@@ -1,29 +1,30 @@
 """Whole runs: real pictures, real workers, real files."""
 
+import fcntl
 import hashlib
 import os
 import signal
 import subprocess
-import sys
-import time
-from pathlib import Path
+import termios
 
 import pytest
+from commands import ENVIRONMENT, LIMIT_S, command, pending, started, wait_until
 
 from pjpdaf.errors import BenchError
-from reports.run.results import load
+from reports.run.load import load
 from scenarios.execute.episodes import play_all
-from scenarios.play.play import Job, System
+from scenarios.execute.local import local_executor
+from scenarios.play.job import Job, System
 from scenarios.spec.names import load_scenario
 
-ROOT = Path(__file__).parents[3]
 TABLES = ("frames.parquet", "episodes.parquet", "events.parquet")
 
 
-def bench(*words, **kwargs):
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, "-m", "scenarios", *map(str, words)]
-    return subprocess.run(command, env=env, capture_output=True, text=True, check=False, **kwargs)
+def bench(*words, **options):
+    words = command(*words)
+    return subprocess.run(
+        words, env=ENVIRONMENT, capture_output=True, text=True, check=False, **options
+    )
 
 
 def hashes(run):
@@ -31,9 +32,10 @@ def hashes(run):
     return {str(f): hashlib.sha256((run / f).read_bytes()).hexdigest() for f in files}
 
 
-def job(name="calm_table", seed=0, system=None, frames=4, **overrides):
+def job(name="calm_table", seed=0, system=None, frames=2, **overrides):
+    """An episode of small pictures: far from its time limit on a slow machine too."""
     values = {"frames": frames, **overrides}
-    return Job(load_scenario(name), seed, values, system or System())
+    return Job(load_scenario(name), seed, values, system or System(), size_px=(96, 72))
 
 
 def test_same_bytes_for_one_and_four_jobs_from_any_folder(tmp_path):
@@ -64,26 +66,97 @@ def test_calm_table_is_tracked(tmp_path):
     assert saved.events.empty
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupted_run_keeps_what_is_finished(tmp_path, number):
-    command = [sys.executable, "-m", "scenarios", "run", "calm_table", "--seeds", "40"]
-    command += ["--set", "frames=3", "--jobs", "2", "--out", str(tmp_path / "r")]
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
-    process = subprocess.Popen(
-        command, env=env, stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
-    time.sleep(12)
-    if number == signal.SIGINT:
-        os.killpg(process.pid, number)  # Ctrl-C reaches all processes of a terminal
-    else:
+# A tracker whose third episode does not end, in a command whose saving waits until GO is there.
+WAITING = """
+import multiprocessing, sys, time
+from pathlib import Path
+from pjpdaf.tracker.filter import PJPDAF
+
+HERE = Path(__file__).parent
+PLAYED = []
+
+def wait_for(name):
+    while not (HERE / name).exists():
+        time.sleep(0.01)
+
+def hook(event, arguments):
+    if event == "os.mkdir" and ".r.part-" in str(arguments[0]):
+        (HERE / "saving").touch()
+        wait_for("go")
+
+class Waits:
+    def __init__(self, cameras): self.inner = PJPDAF(cameras)
+    def start(self, seen):
+        PLAYED.append(1)
+        if len(PLAYED) == 3:
+            (HERE / "third").touch()
+            wait_for("never")
+        return self.inner.start(seen)
+    def step(self, state, seen, dt_s): return self.inner.step(state, seen, dt_s)
+    def estimates(self, state): return self.inner.estimates(state)
+    def predict(self, state, dt_s): return self.inner.predict(state, dt_s)
+
+if multiprocessing.parent_process() is None:
+    sys.addaudithook(hook)
+"""
+
+
+def waiting_run(folder, **options):
+    """`run` in its third episode, on one worker."""
+    (folder / "waiting_plug_in.py").write_text(WAITING)
+    words = ("run", "calm_table", "--seeds", "40", "--set", "frames=2", "--jobs", "1")
+    words += ("--tracker", "waiting_plug_in:Waits", "--out", "r")
+    process = started(*words, cwd=folder, **options)
+    wait_until((folder / "third").exists, process)
+    return process
+
+
+def assert_two_episodes_are_saved(run):
+    saved = load(run)
+    assert not saved.meta["complete"]
+    assert len(saved.episodes) // 3 == 2
+
+
+@pytest.mark.parametrize(
+    ("number", "second"),
+    [(signal.SIGINT, signal.SIGTERM), (signal.SIGTERM, None), (signal.SIGHUP, signal.SIGINT)],
+)
+def test_an_interrupted_run_keeps_what_is_finished(tmp_path, number, second):
+    process = waiting_run(tmp_path)
+    if number == signal.SIGTERM:
         process.send_signal(number)
-    _, said = process.communicate(timeout=60)
+    else:
+        os.killpg(process.pid, number)  # of a terminal; reaches all its processes
+    wait_until((tmp_path / "saving").exists, process)
+    if second is not None:
+        process.send_signal(second)
+        wait_until(lambda: not pending(process.pid), process)
+    (tmp_path / "go").touch()
+    _, said = process.communicate(timeout=LIMIT_S)
     assert "Traceback" not in said
     assert process.returncode == 130, said
-    saved = load(tmp_path / "r")
-    assert not saved.meta["complete"]
-    assert 0 < len(saved.episodes) // 3 < 40
-    assert f"{len(saved.episodes) // 3} of 40" in said
+    assert_two_episodes_are_saved(tmp_path / "r")
+    assert "interrupted: 2 of 40 episodes are in the saved run" in said
+    assert (tmp_path / "r" / "report.html").is_file()
+
+
+def test_a_run_in_a_terminal_that_is_closed_keeps_what_is_finished(tmp_path):
+    ours, theirs = os.openpty()
+    (tmp_path / "go").touch()
+    # Its controlling terminal: what hangs up when our end of it is closed.
+    process = waiting_run(
+        tmp_path,
+        stdin=theirs,
+        stdout=theirs,
+        stderr=theirs,
+        preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+    )
+    os.close(theirs)
+    os.close(ours)
+    process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 130
+    assert_two_episodes_are_saved(tmp_path / "r")
+    assert (tmp_path / "r" / "report.html").is_file()
 
 
 PLUG_INS = """
@@ -123,11 +196,13 @@ def test_a_faulty_plug_in_fails_its_episode_and_the_rest_is_kept(
     (tmp_path / "faulty_plug_ins.py").write_text(PLUG_INS)
     monkeypatch.syspath_prepend(tmp_path)  # workers take over the parent's path
     faulty = System(tracker=f"faulty_plug_ins:{factory}")
-    played = play_all([job(), job(seed=1, system=faulty), job(seed=2)], 2, time_limit_s=12)
+    jobs = [job(), job(seed=1, system=faulty), job(seed=2)]
+    with local_executor(2) as executor:
+        played = play_all(jobs, executor, time_limit_s=12)
     assert [bool(row.failure) for row in played.rows] == [False, True, False]
     assert reason in played.rows[1].failure
 
 
-def test_a_fault_of_the_user_ends_the_run(tmp_path):
+def test_a_fault_of_the_user_ends_the_run(executor):
     with pytest.raises(BenchError, match="outside its range"):
-        play_all([job(speed="90")], 1)
+        play_all([job(speed="90")], executor)

@@ -5,11 +5,13 @@ import pytest
 
 from pjpdaf.errors import BenchError
 from reports.score.records import Episode
-from scenarios.play.play import Job, System, play
+from scenarios.play.job import Job, System
+from scenarios.play.play import play
 from scenarios.spec.cameras import PARAMETERS
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
-from scenarios.spec.parameters import Fixed, Numeric
+from scenarios.spec.parameters.distributions import Fixed
+from scenarios.spec.parameters.numeric import Numeric
 from sim.camera.colour import balance_rgb
 from sim.specs import CalibrationError, ClockSpec, SensorSpec
 

@@ -14,15 +14,16 @@ from hypothesis import strategies as st
 from pjpdaf.errors import BenchError
 from scenarios.spec.loader import (
     MAX_BYTES,
-    json_schema,
     load_either_file,
     load_scenario_file,
     load_suite_file,
     parse,
 )
 from scenarios.spec.names import scenario_names
-from scenarios.spec.scenario import Scenario, Suite
-from sim.families.registry import GESTURES
+from scenarios.spec.scenario import Scenario
+from scenarios.spec.schema import json_schema
+from scenarios.spec.suite import Suite
+from sim.families.registry import FAMILIES
 
 GOOD = """\
 name: mine
@@ -84,7 +85,7 @@ def test_a_good_file_loads_and_text_with_units_becomes_numbers(tmp_path):
         ("summary: Mine.", "summary:", "4:1: summary: must be text, got nothing"),
         ("summary: Mine.", "summary: 2026-01-01", "ok"),
         ("name: mine", "name: My Name", "1:1: name: must be lower-case letters, digits and _, beginning with a letter, got 'My Name'"),
-        ("{kind: drink}", "{kind: drnik}", f"6:10: motion.kind: must be one of {', '.join(GESTURES)}, got 'drnik'; did you mean drink?"),
+        ("{kind: drink}", "{kind: drnik}", f"6:10: motion.kind: must be one of {', '.join(FAMILIES)}, got 'drnik'; did you mean drink?"),
         ("{kind: drink}", "drink", "6:1: motion: must be a mapping, got 'drink'"),
         ("unit: m/s,", "unit: mph,", "9:11: parameters.speed.unit: must be one of m, cm, mm, m/s, cm/s, mm/s, km/h, s, ms, rad, deg, px, grey, Hz, K, EV, 1, %, got 'mph'"),
         ("[0.4, 0.8]", "[0.8, 0.4]", "9:22: parameters.speed.range: range is reversed: 0.8 is greater than 0.4"),
@@ -192,5 +193,5 @@ def test_the_json_schema_names_every_field_and_is_json():
         "name", "group", "summary", "family", "frames", "motion", "parameters",
     }  # fmt: skip
     assert schema["additionalProperties"] is False
-    assert schema["$defs"]["Motion"]["properties"]["kind"]["enum"] == list(GESTURES)
+    assert schema["$defs"]["Motion"]["properties"]["kind"]["enum"] == list(FAMILIES)
     assert set(scenario_names()) >= set(schema["$defs"]["Motion"]["properties"]["kind"]["enum"])

@@ -14,9 +14,11 @@ from scenarios.spec.names import (
     scenarios_of,
     suite_names,
 )
-from scenarios.spec.parameters import Fixed, Numeric
-from scenarios.spec.scenario import Scenario, Suite
+from scenarios.spec.parameters.distributions import Fixed
+from scenarios.spec.parameters.numeric import Numeric
+from scenarios.spec.scenario import Scenario
 from scenarios.spec.standard import STANDARD
+from scenarios.spec.suite import Suite
 
 
 def test_the_catalogue_has_all_scenarios_and_suites():

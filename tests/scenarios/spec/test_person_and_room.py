@@ -9,7 +9,7 @@ import pytest
 
 from scenarios.spec.draw import concrete, in_si, perform, scene_of
 from scenarios.spec.names import load_scenario, scenario_names
-from scenarios.spec.parameters import Choice
+from scenarios.spec.parameters.choice import Choice
 from scenarios.spec.person_and_room import (
     NEAR_SKIN,
     PARAMETERS,
@@ -20,7 +20,7 @@ from scenarios.spec.person_and_room import (
     skin_rgb,
 )
 from sim.camera.colour import light_rgb
-from sim.families.registry import GESTURES
+from sim.families.registry import FAMILIES
 from sim.randomness import generator
 from sim.scene.world import build
 
@@ -41,7 +41,7 @@ def values(seed=100, **overrides):
 def things_of(name):
     """Objects of a scenario's own gesture."""
     scenario = load_scenario(name)
-    return GESTURES[scenario.motion.kind].objects(in_si(scenario, concrete(scenario, 100)))
+    return FAMILIES[scenario.motion.kind].objects(in_si(scenario, concrete(scenario, 100)))
 
 
 @cache
@@ -199,3 +199,11 @@ def test_every_scenario_with_things_bears_things_that_move_by_themselves(name):
     added = [thing.name for thing in crowded.scene.room.objects[own:]]
     assert len(added) >= 3
     assert set(added) & set(crowded.script.pose(0.5).objects)
+
+
+def test_skin_gets_darker_with_the_typology_angle_and_stays_skin():
+    tones = np.array([skin_rgb(math.radians(a)) for a in range(-50, 61, 10)])
+    assert (np.diff(tones.sum(axis=1)) > 0).all()
+    assert ((tones > 0.02) & (tones < 1.0)).all()
+    assert (tones[:, 0] > tones[:, 1]).all()
+    assert (tones[:, 1] > tones[:, 2]).all()

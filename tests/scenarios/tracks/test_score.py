@@ -1,15 +1,14 @@
 """`score`: anyone's tracks against a data set's truth, from CSV and Parquet files."""
 
 import json
-import os
 import shutil
-import subprocess
-import sys
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from commands import in_this_process
 
 import sim.dataset
 from pjpdaf.camera import to_camera
@@ -17,10 +16,13 @@ from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from reports.footage.tracks import TrackWriter
 from reports.gate.gate import compare
-from reports.run.results import RunInfo, load, save, tables_of
+from reports.run.load import load
 from reports.run.rows import rows_of
-from scenarios.play.play import play
-from scenarios.run.run import entry_of, plan
+from reports.run.save import RunInfo, save
+from reports.run.tables import tables_of
+from scenarios.play.plan import plan
+from scenarios.play.play import play_complete
+from scenarios.run.save_run import scenario_record
 from scenarios.tracks.files import read_tracks
 from scenarios.tracks.score import ScoreRequest, score_tracks
 from tests.scenarios.play.test_from_dataset import JOBS, ROOT, make, request
@@ -36,7 +38,7 @@ def made(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def episodes(made):
-    return [play(one) for one in plan(request(made))]
+    return [play_complete(one) for one in plan(request(made))]
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +86,7 @@ def files_of(episodes, folder):
     for number, episode in enumerate(episodes):
         target = folder / f"seq_{number:06d}"
         target.mkdir(parents=True)
-        with TrackWriter(target, episode.cameras) as tracks:
+        with closing(TrackWriter(target, episode.cameras)) as tracks:
             for outcome in episode.frames:
                 truth = outcome.truth
                 tracks.add(truth.index, truth.time_s, outcome.estimates)
@@ -105,7 +107,7 @@ def test_the_trackers_own_estimates_score_as_its_run(made, episodes, tmp_path):
     np.testing.assert_allclose(saved.frames[SCORES], run[SCORES], rtol=0, atol=1e-3)
     for column in ("error_mm", "status", "merged", "visible_left", "labels"):
         assert saved.frames[column].equals(run[column]), column
-    entries = {one.name: entry_of(one) for one in JOBS}
+    entries = {one.name: scenario_record(one) for one in JOBS}
     base = load(save(tmp_path / "run", rows, RunInfo("run", entries=entries)))
     verdict = compare(base, saved)
     assert verdict.verdict == "pass"
@@ -135,13 +137,7 @@ def test_the_verb_track_on_its_pictures_scores_as_the_run(made, episodes, tmp_pa
     for view in ("left", "right"):
         words += [f"--{view}", folder / view, f"--background-{view}", folder / f"background_{view}"]
     words += ["--calibration", folder / "calib/intrinsics.yml", folder / "calib/extrinsics.yml"]
-    done = subprocess.run(
-        [sys.executable, "-m", "scenarios", *map(str, words)],
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = in_this_process(*words)
     assert done.returncode == 0, done.stderr
     saved = scored(made, tmp_path / "tracks", tmp_path, frame="left")
     mine = saved.frames[saved.frames["scenario"] == "cross"]
@@ -263,7 +259,7 @@ GOOD = "seq_000000,0,head,0.1,0,1.2"
             ":2: sd_x_m, sd_y_m, sd_z_m must be 0 or more",
         ),
         (lines("seq_000000,0,head,100,0,1200", "seq_000000,1,head,90,0,1300"), "metres are expe"),
-        (lines('seq_000000,0,"head' + "x" * 200_000), ":2: is no CSV"),
+        (lines('seq_000000,0,"head' + "x" * 200_000), ":2: is not CSV"),
     ],
 )
 def test_a_fault_in_the_tracks_is_one_line_with_its_place(made, tmp_path, text, said):

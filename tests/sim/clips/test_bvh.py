@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from pjpdaf.errors import BenchError
-from sim.clips.bvh import UNITS_M, clip_of_bvh, read_bvh
+from sim.clips.bvh import UNITS_M, clip_of_bvh
+from sim.clips.bvh_skeleton import read_bvh
 from sim.clips.clip_files import load_clip
 
 HZ = 30.0

@@ -15,7 +15,7 @@ from sim.clips.clip_files import load_clip
 from sim.clips.clips import JOINTS, Clip, clip_of, mirrored
 from sim.clips.retarget import retarget
 from sim.families.recorded import ClipClock
-from sim.motion.motion import posture
+from sim.motion.posture import posture
 from sim.person.kinematics import shoulders
 from sim.pose import SIDES
 from sim.specs import SceneSpec
@@ -57,15 +57,15 @@ def test_the_clip_is_scaled_by_the_length_of_the_arm(stature):
     body = retarget(story(), scene(stature), 0.5)
     # The clip was made with the average body.
     assert body.fit.scale == pytest.approx(stature / 1.72, rel=0.01)
-    assert "as recorded" in body.fit.said
+    assert "as recorded" in body.fit.description
 
 
 def test_without_elbows_the_arm_is_taken_from_the_reach_and_that_is_said():
     clip = only(story(), HANDS_ONLY)
-    assert "no elbows: arm taken to be the average" in retarget(clip, scene(), 0.5).fit.said
+    assert "no elbows: arm taken to be the average" in retarget(clip, scene(), 0.5).fit.description
     far = clip_of("far", clip.times_s, clip.joints, clip.xyz * 1.4)
     body = retarget(far, scene(), 0.5)
-    assert "the furthest reach" in body.fit.said
+    assert "the furthest reach" in body.fit.description
     anatomy = scene().anatomy
     arm = anatomy.upper_arm_m + anatomy.forearm_m + anatomy.wrist_to_palm_m
     reach = far.path("left_hand") - [0.0, 0.185, 0.0]
@@ -119,7 +119,7 @@ def test_a_motion_that_is_high_is_not_lifted_out_of_sight():
     clip = story()
     tall = clip.xyz * [1.0, 1.0, 2.4]  # from below the table to above the head
     body = retarget(clip_of("tall", clip.times_s, clip.joints, tall), scene(), 0.5)
-    assert "lifted by 0.000 m" in body.fit.said
+    assert "lifted by 0.000 m" in body.fit.description
 
 
 def test_hands_out_of_reach_are_brought_into_it_smoothly():

@@ -13,25 +13,24 @@ from hypothesis import strategies as st
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
 from sim.anatomy import Anatomy
-from sim.contact.contact import (
+from sim.contact.arm_shape import (
     FOREARM,
     HAND,
     PART_OF_BAR,
     PART_OF_POINT,
-    Capsules,
     arm_shape,
-    capsule_gap,
     hand_capsules,
     height_above_table,
-    overlaps,
-    penetration,
 )
+from sim.contact.capsules import Capsules, capsule_gap, overlaps
+from sim.contact.contact import penetration
 from sim.contact.separation import separate
-from sim.contact.solids import Obstacles, Slab, Table, Thing, person_solids
+from sim.contact.solids import Obstacles, Slab, StandingObject, Table, person_solids
 from sim.gl import load_mujoco
-from sim.person.body import SKIN, torso_surface
+from sim.person.geoms import SKIN
 from sim.person.head import head_surface
 from sim.person.kinematics import hand_rotation, shoulders, solve_arm
+from sim.person.torso import torso_surface
 from sim.pose import SIDES
 from sim.scene.world import build
 from sim.specs import SceneSpec
@@ -107,7 +106,7 @@ def test_distance_to_boxes_and_cylinders_agrees_with_mujoco(kind):
     data = mujoco.MjData(model)
     extent = (0.10, 0.16, 0.24) if kind == "box" else (0.10, 0.10, 0.24)
     base = np.array([0.3, 0.1, 0.8])
-    thing = Thing("thing", extent, base, math.radians(22.918), round=kind == "cylinder")
+    thing = StandingObject("thing", extent, base, math.radians(22.918), round=kind == "cylinder")
     rng = np.random.default_rng(4)
     compared = 0
     for offset in rng.uniform(-0.25, 0.25, (60, 3)):

@@ -1,5 +1,6 @@
-"""A small real data set for the tests of this folder."""
+"""Small real data sets for the tests of this folder."""
 
+from damaged_dataset import copies, copy, single, trio
 from small_dataset import dataset_copy, dataset_made
 
-__all__ = ["dataset_copy", "dataset_made"]
+__all__ = ["copies", "copy", "dataset_copy", "dataset_made", "single", "trio"]

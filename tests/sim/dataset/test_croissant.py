@@ -6,9 +6,9 @@ import re
 import pyarrow.parquet as pq
 import pytest
 
-from sim.dataset.checksums import sha256_of
 from sim.dataset.croissant import croissant_record
-from sim.dataset.layout import CONVENTIONS
+from sim.dataset.files.checksums import sha256_of
+from sim.dataset.files.layout import CONVENTIONS
 from sim.dataset.reader import open_dataset
 
 

@@ -6,14 +6,16 @@ import shutil
 import cv2
 import numpy as np
 import pytest
-from small_dataset import SEQUENCES
+from small_dataset import SIZE_PX, simulation_of
 
 from pjpdaf.errors import BenchError
+from scenarios.play.recipe import sized
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
-from sim.dataset import encode
-from sim.dataset.raytruth import MOST_MEDIAN_M, MOST_WRONG, lines_of, ray_check, together
-from sim.dataset.reader import Sequence, open_dataset
+from sim.dataset.files import encode
+from sim.dataset.raytruth import MOST_MEDIAN_M, MOST_WRONG, lines_of, pooled, ray_check
+from sim.dataset.reader import open_dataset
+from sim.dataset.stored_sequence import StoredSequence
 from sim.dataset.writer import write_sequence
 from sim.sequence import Simulation
 
@@ -24,14 +26,10 @@ def moving(tmp_path_factory):
     folder = tmp_path_factory.mktemp("rays") / "seq_000000"
     folder.mkdir()
     overrides = {"frames": 6, "fps": 1.0, "background_frames": 0, "shutter_skew": 50, "jitter": 40}
-    with Simulation(perform(load_scenario("clap"), 151, overrides)) as simulation:
+    clapping = sized(perform(load_scenario("clap"), 151, overrides), SIZE_PX)
+    with Simulation(clapping) as simulation:
         write_sequence(simulation, folder, ("seg", "depth"), {})
-        yield simulation, Sequence(folder, {})
-
-
-def simulation_of(number):
-    name, seed, overrides = SEQUENCES[number]
-    return Simulation(perform(load_scenario(name), seed, overrides))
+        yield simulation, StoredSequence(folder, {})
 
 
 @pytest.mark.parametrize("number", [0, 1], ids=["pinhole", "lens"])
@@ -45,7 +43,7 @@ def test_rays_agree_with_the_files(dataset_made, number):
     # Depth is rounded to 0.1 mm: the median of that alone is 0.025 mm.
     assert 2e-5 < figures.median_m < 3e-5 < MOST_MEDIAN_M
     assert figures.rarely_m < 6e-5
-    assert figures.pixels == 4 * 640 * 480
+    assert figures.pixels == 4 * SIZE_PX[0] * SIZE_PX[1]
     assert figures.rays > figures.pixels / 40
     assert any("goal" in line for line in lines_of(figures))
 
@@ -61,7 +59,7 @@ def test_rays_are_cast_at_each_view_s_own_moment(moving):
 
 def test_files_of_another_moment_do_not_agree(moving, tmp_path):
     simulation, sequence = moving
-    copy = Sequence(tmp_path / "seq_000000", {})
+    copy = StoredSequence(tmp_path / "seq_000000", {})
     shutil.copytree(sequence.folder, copy.folder)
     for kind in ("seg_left", "depth_left"):
         shutil.copy(copy.folder / kind / "000002.png", copy.folder / kind / "000006.png")
@@ -73,7 +71,7 @@ def test_files_of_another_moment_do_not_agree(moving, tmp_path):
 
 def test_a_share_of_wrong_pixels_is_counted_wherever_they_lie(moving, tmp_path):
     simulation, sequence = moving
-    copy = Sequence(tmp_path / "seq_000000", {})
+    copy = StoredSequence(tmp_path / "seq_000000", {})
     shutil.copytree(sequence.folder, copy.folder)
     path = copy.folder / "seg_left" / "000001.png"
     seg = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
@@ -85,7 +83,7 @@ def test_a_share_of_wrong_pixels_is_counted_wherever_they_lie(moving, tmp_path):
 
 def test_a_wrong_depth_is_measured(moving, tmp_path):
     simulation, sequence = moving
-    copy = Sequence(tmp_path / "seq_000000", {})
+    copy = StoredSequence(tmp_path / "seq_000000", {})
     shutil.copytree(sequence.folder, copy.folder)
     for camera in ("left", "right"):
         path = copy.folder / f"depth_{camera}" / "000001.png"
@@ -99,18 +97,18 @@ def test_a_wrong_depth_is_measured(moving, tmp_path):
 def test_figures_of_several_checks_are_those_of_one(moving):
     simulation, sequence = moving
     one = ray_check(simulation, sequence, [0, 4])
-    both = together(ray_check(simulation, sequence, [index]) for index in (0, 4))
+    both = pooled(ray_check(simulation, sequence, [index]) for index in (0, 4))
     for name in ("rays", "pixels", "wrong", "median_m", "rarely_m", "most_m"):
         assert getattr(one, name) == getattr(both, name)
     np.testing.assert_array_equal(one.target_wrong, both.target_wrong)
-    assert together([]).met
+    assert pooled([]).met
 
 
 def test_another_rig_and_unknown_frames_are_refused(moving, tmp_path):
     simulation, sequence = moving
     with pytest.raises(BenchError, match="has no frame 6"):
         ray_check(simulation, sequence, [6])
-    copy = Sequence(tmp_path / "seq_000000", {})
+    copy = StoredSequence(tmp_path / "seq_000000", {})
     shutil.copytree(sequence.folder, copy.folder)
     record = json.loads((copy.folder / "rig.json").read_text())
     record["cameras"]["right"]["K"][0][0] += 1

@@ -14,15 +14,12 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from small_dataset import SEQUENCES
+from small_dataset import SEQUENCES, simulation_of
 
 import sim.dataset
 from pjpdaf.errors import BenchError
-from scenarios.spec.draw import perform
-from scenarios.spec.names import load_scenario
-from sim.dataset.layout import LABELS
-from sim.dataset.tables import TRUTH_SCHEMA
-from sim.sequence import Simulation
+from sim.dataset.files.layout import LABELS
+from sim.dataset.files.tables import TRUTH_SCHEMA
 
 FIRST = "seq_000000"
 
@@ -61,9 +58,8 @@ def same(one, other):
 
 @pytest.mark.parametrize("number", range(len(SEQUENCES)))
 def test_it_gives_the_records_of_the_live_simulation(dataset_made, number):
-    name, seed, overrides = SEQUENCES[number]
     sequence = sim.dataset.open(dataset_made).sequences[number]
-    with Simulation(perform(load_scenario(name), seed, overrides)) as live:
+    with simulation_of(number) as live:
         same(live.background(), sequence.background())
         for now, then in zip(live.frames(), sequence.frames(), strict=True):
             same(now, then)
@@ -301,7 +297,7 @@ def test_a_missing_sequence_is_named_but_for_an_unfinished_data_set(copied):
 
 
 def test_what_is_no_data_set_says_so(tmp_path):
-    with pytest.raises(BenchError, match=r"is no data set \(it has no manifest.json\)"):
+    with pytest.raises(BenchError, match=r"is not a data set: has no manifest.json"):
         sim.dataset.open(tmp_path)
 
 

@@ -12,10 +12,11 @@ import pytest
 
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
+from sim.dataset.files.tables import TRUTH_SCHEMA
+from sim.dataset.histograms import BINS, counted
+from sim.dataset.labels.records import KEYPOINTS
 from sim.dataset.reader import open_dataset
-from sim.dataset.records import KEYPOINTS
-from sim.dataset.statistics import BINS, HANDS, counted, skin_ita_deg, statistics_of
-from sim.dataset.tables import TRUTH_SCHEMA
+from sim.dataset.statistics import HANDS, skin_ita_deg, statistics_of
 from sim.scene.world import CAMERAS
 
 

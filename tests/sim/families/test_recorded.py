@@ -18,13 +18,15 @@ import pytest
 
 import scenarios
 from pjpdaf.errors import BenchError
-from scenarios.play.play import Job, System, digest_of
-from scenarios.run.run import RunRequest, plan
+from scenarios.play.job import Job, System, digest_of
+from scenarios.play.plan import PlanRequest, plan
 from scenarios.spec.draw import concrete, in_si, perform
-from scenarios.spec.loader import json_schema, load_scenario_file, load_suite_file
+from scenarios.spec.loader import load_scenario_file, load_suite_file
 from scenarios.spec.names import load_scenario
-from scenarios.spec.parameters import File, FileText
-from scenarios.spec.scenario import Scenario, digest, suite_digest
+from scenarios.spec.parameters.file import File, FileText
+from scenarios.spec.scenario import Scenario, digest
+from scenarios.spec.schema import json_schema
+from scenarios.spec.suite import suite_digest
 from sim.clips.clip_files import load_clip
 from sim.contact.contact import ALLOWED_PENETRATION_M
 from sim.motion.measure import overlaps_of
@@ -317,7 +319,7 @@ def test_a_suite_s_files_are_refused_outside_its_folder(tmp_path, clip):
 
 
 def request(target, *settings):
-    return RunRequest((target,), 1, "thesis", "thesis", "thesis", settings, 1, None, ())
+    return PlanRequest((target,), 1, settings=settings)
 
 
 def test_set_takes_a_file_from_anywhere_and_its_content_counts(tmp_path, monkeypatch):

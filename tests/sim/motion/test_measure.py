@@ -11,7 +11,7 @@ import pytest
 
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
-from sim.motion.measure import TARGETS, fault_of, measure, things_in_the_way
+from sim.motion.measure import TARGETS, fault_of, measure, standing_objects
 from sim.motion.motion import Hold, Performer
 from sim.motion.planner import HandPlanner, raised, resting
 from sim.motion.strokes import HandState, quaternion_of
@@ -91,7 +91,7 @@ def test_a_hand_through_a_screen_is_a_fault_unless_the_screen_is_held():
     assert "mm in the screen" in fault
     assert "allowed 5 mm" in fault
     held = performer(through, objects=(SCREEN,), holds=(Hold("screen", 0, 3.0, 4.0),))
-    assert things_in_the_way(held) == ()
+    assert standing_objects(held) == ()
     beside = replace(SCREEN, position_xy_m=(0.60, -0.2))
     assert fault_of(performer(through, objects=(beside,)), TIMES) is None
 

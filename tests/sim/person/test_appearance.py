@@ -9,9 +9,10 @@ import pytest
 
 from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND, TARGETS
 from sim.camera.render import StereoRenderer
-from sim.person.body import SKIN, SLEEVES
+from sim.person.geoms import SKIN
 from sim.person.head import HAIR
 from sim.person.rest import rest_pose
+from sim.person.sleeves import SLEEVES
 from sim.scene.world import build
 from sim.specs import Appearance, RigSpec, RoomSpec, SceneSpec
 from sim.surfaces.textures import PATTERNS, SURFACES

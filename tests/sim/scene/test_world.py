@@ -9,7 +9,7 @@ from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND, TARGETS
 from sim.anatomy import Anatomy
 from sim.camera.render import StereoRenderer
 from sim.labels import centres
-from sim.person.body import SKIN
+from sim.person.geoms import SKIN
 from sim.person.rest import rest_pose
 from sim.pose import Transform
 from sim.scene.objects import KINDS

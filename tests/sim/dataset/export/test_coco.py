@@ -15,7 +15,8 @@ from pycocotools.cocoeval import COCOeval
 import sim.dataset
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
-from sim.dataset.export.coco import FIRST_OBJECT_CATEGORY, OBJECT_KINDS, export
+from sim.dataset.export.coco import export
+from sim.dataset.export.coco_ids import FIRST_OBJECT_CATEGORY, OBJECT_KINDS
 from sim.scene.objects import KINDS
 from sim.scene.world import CAMERAS
 

@@ -16,8 +16,8 @@ import pytest
 
 import sim.dataset
 from pjpdaf.camera import Camera
-from sim.dataset.export.parquet import export
-from sim.dataset.records import KEYPOINTS
+from sim.dataset.export.parquet import exporter
+from sim.dataset.labels.records import KEYPOINTS
 from sim.scene.world import CAMERAS
 
 
@@ -28,7 +28,7 @@ def dataset(dataset_made):
 
 @pytest.fixture(scope="module")
 def files(dataset, tmp_path_factory):
-    return export(dataset, tmp_path_factory.mktemp("rows"), most_bytes=4 << 20)
+    return exporter(1 << 20)(dataset, tmp_path_factory.mktemp("rows"))
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def test_files_are_numbered_and_end_where_asked(files):
     assert [path.name for path in files] == [
         f"frames-{i:05d}-of-{count:05d}.parquet" for i in range(count)
     ]
-    assert all(path.stat().st_size < 7 << 20 for path in files)
+    assert all(path.stat().st_size < 7 << 18 for path in files)
 
 
 def arrow_type(feature):
@@ -139,7 +139,7 @@ def test_a_lost_picture_is_null_and_an_unseen_target_nan(dataset_copy, tmp_path)
     said[0]["visible_left_px"] = 0
     said[0] |= {f"box_{part}_left_px": None for part in ("x", "y", "width", "height")}
     pq.write_table(pa.Table.from_pylist(said, schema=table.schema), path)
-    (file,) = export(sim.dataset.open(dataset_copy), tmp_path)
+    (file,) = exporter()(sim.dataset.open(dataset_copy), tmp_path)
     rows = [row for row in pq.read_table(file).to_pylist() if row["sequence"] == "seq_000002"]
     assert [row["right"] is None for row in rows] == [False, False, True, False, False]
     assert all(row["left"] is not None for row in rows)

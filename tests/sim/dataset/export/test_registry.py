@@ -10,7 +10,7 @@ import pytest
 import sim.dataset
 from pjpdaf.errors import BenchError
 from sim.dataset.export.registry import EXPORTS
-from sim.dataset.layout import LABELS
+from sim.dataset.files.layout import LABELS
 
 KEPT = ("seg", "amodal")
 

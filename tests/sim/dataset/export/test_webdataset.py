@@ -12,9 +12,9 @@ import webdataset
 import sim.dataset
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
-from sim.dataset.export.webdataset import export
-from sim.dataset.layout import LABELS
-from sim.dataset.reader import camera_of
+from sim.dataset.export.webdataset import exporter
+from sim.dataset.files.cameras import camera_of
+from sim.dataset.files.layout import LABELS
 from sim.scene.world import CAMERAS
 
 
@@ -25,7 +25,7 @@ def dataset(dataset_made):
 
 @pytest.fixture(scope="module")
 def shards(dataset, tmp_path_factory):
-    return export(dataset, tmp_path_factory.mktemp("shards"), shard_samples=6)
+    return exporter(shard_samples=6)(dataset, tmp_path_factory.mktemp("shards"))
 
 
 def samples(shards):
@@ -106,8 +106,8 @@ def test_a_tar_has_no_times_owners_or_order_of_the_day(shards):
 
 
 def test_a_shard_is_no_larger_than_asked(dataset, tmp_path):
-    most = 20 << 20
-    shards = export(dataset, tmp_path, shard_bytes=most)
+    most = 5 << 20
+    shards = exporter(shard_bytes=most)(dataset, tmp_path)
     assert len(shards) > 3
     # A tar ends with empty blocks, to a whole record.
     assert all(path.stat().st_size <= most + tarfile.RECORDSIZE + 1024 for path in shards)
@@ -121,4 +121,4 @@ def test_a_link_out_of_the_data_set_is_no_picture(dataset_copy, tmp_path):
     picture.unlink()
     picture.symlink_to(secret)
     with pytest.raises(BenchError, match=r"left/000001\.png: is a link"):
-        export(sim.dataset.open(dataset_copy), tmp_path)
+        exporter()(sim.dataset.open(dataset_copy), tmp_path)

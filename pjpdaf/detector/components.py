@@ -1,0 +1,155 @@
+"""Connected components of the skin mask, fragments joined (thesis 3.1.2)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from pjpdaf.arrays import Ints
+from pjpdaf.camera import Camera, to_camera
+from pjpdaf.checks import check_not_negative
+from pjpdaf.interfaces import Estimates
+
+FRAGMENT_MIN_PX = 4  # smaller specks are noise that the opening left
+FRAGMENTS_MAX = 40  # a picture with more is noise; joining them would cost time and mean nothing
+
+
+@dataclass(frozen=True)
+class ComponentParameters:
+    """Cleaning of the mask, and the components that are kept."""
+
+    # Smallest component kept [px], A_min of Table 4.1 (500), here at the reference focal length.
+    min_area_px: float = 150.0
+    # min_area_px holds for this focal length [px] and this depth [m]; it is scaled by
+    # (f / reference_focal_px)^2 (and by (reference_depth_m / Z)^2 where a depth Z is known).
+    # 0 = unscaled, as in the thesis.
+    reference_focal_px: float = 540.0
+    reference_depth_m: float = 1.3
+    # Diameter of the opening and closing elements [px]; 0 = none. "Combination of operations".
+    open_px: int = 3
+    close_px: int = 5
+    # A component under min_area_px joins its nearest neighbour if that is nearer than its own
+    # diameter (a sleeve, a cup or a shadow cut it off). Not in the thesis.
+    merge_fragments: bool = True
+
+    def __post_init__(self) -> None:
+        check_not_negative(
+            "DetectorParameters",
+            self,
+            "min_area_px",
+            "reference_focal_px",
+            "reference_depth_m",
+            "open_px",
+            "close_px",
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Segments:
+    """Accepted skin pixels of one picture: points (n, 2) whole x, y; component (n,) in 0..count-1;
+    size (height, width) of the picture [px].
+    """
+
+    points: Ints
+    component: Ints
+    count: int
+    size: tuple[int, int]
+
+
+def clean(mask: np.ndarray, open_px: int, close_px: int) -> np.ndarray:
+    """Open, then close a uint8 mask (h, w) by discs of these diameters [px]; <= 1: neither."""
+    for diameter, operation in ((open_px, cv2.MORPH_OPEN), (close_px, cv2.MORPH_CLOSE)):
+        if diameter > 1:
+            disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (int(diameter), int(diameter)))
+            mask = cv2.morphologyEx(mask, operation, disc)
+    return mask
+
+
+def segments(mask: np.ndarray, min_area_px: float, merge_fragments: bool) -> Segments:
+    """Return the 8-connected components of a uint8 mask (h, w) with at least min_area_px pixels.
+
+    merge_fragments: a component under min_area_px joins its nearest neighbour, and only that, if it
+    is not further away than its own diameter; so two large components are never joined. The area
+    counts after that.
+    """
+    size = (mask.shape[0], mask.shape[1])
+    x0, y0, width, height = cv2.boundingRect(mask)
+    if width == 0:
+        return Segments(np.zeros((0, 2), np.intp), np.zeros(0, np.intp), 0, size)
+    box = mask[y0 : y0 + height, x0 : x0 + width]
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(box, connectivity=8)
+    areas = stats[:, cv2.CC_STAT_AREA].astype(np.float64)
+    areas[0] = 0.0
+    group = np.arange(count)
+    if merge_fragments:
+        group = _join_fragments(labels, stats, min_area_px)
+    total = np.bincount(group, weights=areas, minlength=count)
+    kept = np.flatnonzero(total >= max(min_area_px, 1.0))
+    number = np.full(count, -1, np.intp)
+    number[kept] = np.arange(len(kept))
+    of_label = number[group]
+    of_label[0] = -1
+    if len(kept) == 0:
+        return Segments(np.zeros((0, 2), np.intp), np.zeros(0, np.intp), 0, size)
+    at = np.flatnonzero(labels.ravel())
+    component = of_label[labels.ravel()[at]]
+    inside = component >= 0
+    at, component = at[inside], component[inside]
+    points = np.column_stack([at % width + x0, at // width + y0])
+    return Segments(points, component, len(kept), size)
+
+
+def _join_fragments(labels: np.ndarray, stats: np.ndarray, min_area_px: float) -> Ints:
+    """Component of each label (count,), fragments joined to their nearest neighbour."""
+    count = len(stats)
+    areas = stats[:, cv2.CC_STAT_AREA]
+    parent = np.arange(count)
+    small = [i for i in range(1, count) if FRAGMENT_MIN_PX <= areas[i] < min_area_px]
+    small = sorted(small, key=lambda i: (-int(areas[i]), i))[:FRAGMENTS_MAX]
+    for i in small:
+        reach = 2.0 * math.sqrt(float(areas[i]) / math.pi)
+        pad = math.ceil(reach)
+        x, y, width, height = (int(v) for v in stats[i, :4])
+        window = labels[max(y - pad, 0) : y + height + pad, max(x - pad, 0) : x + width + pad]
+        other = (window != i) & (window != 0)
+        if not other.any():
+            continue
+        # Distance of each pixel of the window to the fragment (whose pixels are the zeros).
+        distance = cv2.distanceTransform(
+            (window != i).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
+        )
+        distance[~other] = np.inf
+        nearest = int(np.argmin(distance))
+        j = int(window.ravel()[nearest])
+        root = int(_root(parent, j))
+        # A speck must not carry a chain; root == i: the two are each other's nearest.
+        if float(distance.ravel()[nearest]) <= reach and areas[j] >= FRAGMENT_MIN_PX and root != i:
+            parent[i] = root
+    return np.array([_root(parent, i) for i in range(count)], np.intp)
+
+
+def _root(parent: Ints, i: int) -> int:
+    while parent[i] != i:
+        i = int(parent[i])
+    return i
+
+
+def min_area_px(p: ComponentParameters, camera: Camera, predicted: Estimates | None) -> float:
+    """Return the smallest component of this view [px]: areas go with (f / Z)^2.
+
+    Z is the median depth of the targets that `predicted` says are tracked; without any,
+    reference_depth_m. The scale for depth is kept within 1/4 .. 4, as a prediction may be wrong.
+    """
+    area = p.min_area_px
+    if p.reference_focal_px > 0:
+        area *= camera.K[0, 0] * camera.K[1, 1] / p.reference_focal_px**2
+    if p.reference_depth_m > 0 and predicted is not None:
+        tracked = np.array([s == "tracked" for s in predicted.status], dtype=bool)
+        depths = to_camera(camera, predicted.positions_m[tracked])[:, 2]
+        depths = depths[np.isfinite(depths) & (depths > 0)]
+        if len(depths):
+            area *= min(max((p.reference_depth_m / float(np.median(depths))) ** 2, 0.25), 4.0)
+    return float(area)

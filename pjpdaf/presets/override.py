@@ -1,0 +1,95 @@
+"""Presets with changed values: KEY=VALUE of the command line, or values of Python."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from typing import Any, get_args, get_origin
+
+from pjpdaf.checks import BadParameter
+from pjpdaf.detector.parameters import DetectorParameters
+from pjpdaf.errors import did_you_mean
+from pjpdaf.presets.flat import VARIANTS, Parameters, flat_names, leaves, replaced
+from pjpdaf.presets.record import Preset
+from pjpdaf.tracker.parameters import TrackerParameters
+
+
+def with_values(record: Parameters, values: Mapping[str, object]) -> Parameters:
+    """Copy a record with parameters changed, by flat name; texts are read as the parameter's type.
+
+    Raises BadParameter.
+    """
+    known = {leaf.name: leaf for leaf in leaves(type(record))}
+    changed = {}
+    for key, value in values.items():
+        if key not in known:
+            raise BadParameter(
+                f"{type(record).__name__} has no field {key!r}.{did_you_mean(key, known)}"
+            )
+        changed[known[key].path] = _read(key, value, known[key].kind)
+    copy: Parameters = replaced(record, changed)
+    return copy
+
+
+def override(preset: Preset, values: Mapping[str, object]) -> Preset:
+    """Change a preset by KEY=VALUE, e.g. {'p_detect': '0.8', 'detector.min_area_px': '150'}.
+
+    A key is a flat name, or one with 'detector.' or 'tracker.' before it. Raises BadParameter with
+    the choices and the nearest name.
+    """
+    changes: dict[str, dict[str, object]] = {"detector": {}, "tracker": {}}
+    names = {
+        "detector": flat_names(DetectorParameters),
+        "tracker": flat_names(TrackerParameters),
+    }
+    for key, value in values.items():
+        prefix, _, name = key.rpartition(".")
+        homes = [prefix] if prefix in changes else [home for home in changes if not prefix]
+        home = next((home for home in homes if name in names[home]), None)
+        if home is None:
+            known = [field for h in (homes or list(changes)) for field in names[h]]
+            raise BadParameter(f"No parameter {key!r}.{did_you_mean(name, known)}")
+        changes[home][name] = value
+    return dataclasses.replace(
+        preset,
+        detector=with_values(preset.detector, changes["detector"]),
+        tracker=with_values(preset.tracker, changes["tracker"]),
+    )
+
+
+_TRUE, _FALSE = ("true", "yes", "on", "1"), ("false", "no", "off", "0")
+
+
+def _read(key: str, value: object, kind: Any) -> Any:
+    """Read a value, possibly text, as `kind`: a variant, bool, int, float or a tuple of floats."""
+    if key in VARIANTS:
+        variants = VARIANTS[key]
+        if isinstance(value, str) and value in variants:
+            return variants[value]
+        words = ", ".join(map(repr, variants))
+        raise BadParameter(f"{key} must be one of {words}, got {value!r}.")
+    if get_origin(kind) is tuple:
+        numbers = value.strip("()[] ").split(",") if isinstance(value, str) else value
+        wanted = get_args(kind)
+        if not isinstance(numbers, (list, tuple)) or len(numbers) != len(wanted):
+            raise BadParameter(
+                f"{key} must be {len(wanted)} numbers with commas between, got {value!r}."
+            )
+        return tuple(_read(key, number, k) for number, k in zip(numbers, wanted, strict=True))
+    if kind is bool:
+        text = str(value).strip().lower()
+        if text not in _TRUE + _FALSE:
+            raise BadParameter(f"{key} must be true or false, got {value!r}.")
+        return text in _TRUE
+    assert kind in (int, float), kind
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        raise BadParameter(f"{key} must be a number, got {value!r}.")
+    try:
+        number = kind(value)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number) or (kind is int and float(value) != number):
+        noun = "a whole number" if kind is int else "a number"
+        raise BadParameter(f"{key} must be {noun}, got {value!r}.")
+    return number

@@ -1,0 +1,120 @@
+"""Labels as colour pictures: depth, instance ids, amodal masks, disparity, occlusion."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from pjpdaf.arrays import Image
+from pjpdaf.camera import StereoRig
+from pjpdaf.targets import TARGETS
+from sim.dataset.labels.instances import FIRST_OBJECT, NOTHING, PERSON, ROOM, TABLE
+from sim.dataset.labels.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN
+
+Colour = tuple[int, int, int]
+
+NEAR_M, FAR_M = 0.5, 4.0  # red and blue; in between the colour goes with 1 / depth
+EMPTY: Colour = (38, 34, 32)
+# BGR; distinct for the colour-blind as well, and bright on a dark picture.
+TARGET_COLOURS: tuple[Colour, ...] = ((94, 143, 255), (160, 220, 63), (255, 189, 116))
+_SURFACES = {NOTHING: EMPTY, PERSON: (120, 96, 128), TABLE: (70, 96, 120), ROOM: (84, 80, 78)}
+_OBJECTS: tuple[Colour, ...] = (
+    (60, 220, 250),
+    (200, 120, 240),
+    (120, 220, 240),
+    (220, 210, 90),
+    (110, 130, 250),
+)
+_STATUS: dict[int, Colour] = {
+    NO_SURFACE: EMPTY,
+    SEEN: (96, 92, 90),
+    HIDDEN: (60, 150, 250),
+    OUT_OF_FRAME: (235, 170, 80),
+}
+_HATCH_PX = 6
+
+
+def depth_picture(depth_m: NDArray[np.float32]) -> Image:
+    """Colour planar z (h, w) [m] by nearness (h, w, 3) BGR; NaN, no surface, is dark."""
+    near, far = 1 / NEAR_M, 1 / FAR_M
+    known = np.isfinite(depth_m)
+    return _turbo((1 / np.where(known, depth_m, 1.0) - far) / (near - far), known)
+
+
+def disparity_picture(disparity_px: NDArray[np.float32], most_px: float) -> Image:
+    """Colour disparity (h, w) [px] (h, w, 3) BGR, red at `most_px`; NaN, none, is dark."""
+    known = np.isfinite(disparity_px)
+    return _turbo(np.where(known, disparity_px, 0.0) / most_px, known)
+
+
+def most_disparity_px(rig: StereoRig) -> float:
+    """Disparity [px] of a surface at NEAR_M, for the same colours as its depth."""
+    baseline_m = float(np.linalg.norm(rig.right.centre_w - rig.left.centre_w))
+    return max(float(rig.left.K[0, 0]) * baseline_m / NEAR_M, 1.0)
+
+
+def seg_picture(seg: Image) -> Image:
+    """Colour instance ids (h, w) as (h, w, 3) BGR; targets have fixed colours."""
+    return np.asarray(_palette()[seg])
+
+
+def instance_colour(identity: int) -> Colour:
+    """The colour of an instance id, BGR."""
+    b, g, r = _palette()[identity].tolist()
+    return b, g, r
+
+
+def occlusion_picture(status: Image) -> Image:
+    """Colour the status (h, w) of `Matches` (h, w, 3) BGR: grey seen, orange hidden, blue out."""
+    table = np.full((256, 3), EMPTY, np.uint8)
+    for value, colour in _STATUS.items():
+        table[value] = colour
+    return np.asarray(table[status])
+
+
+def amodal_picture(picture: Image, amodal: NDArray[np.bool_], seg: Image | None) -> Image:
+    """Draw amodal masks (T, h, w) over the dimmed picture (h, w, 3) BGR.
+
+    Each is outlined, filled where the target shows and striped where the ids in `seg` (h, w), if
+    given, show another instance.
+    """
+    canvas = (picture.astype(np.float32) * 0.45).astype(np.uint8)
+    height, width = canvas.shape[:2]
+    ys, xs = np.mgrid[:height, :width]
+    stripes = (xs + ys) % _HATCH_PX < _HATCH_PX // 2
+    for target, (mask, colour) in enumerate(zip(amodal, TARGET_COLOURS, strict=True)):
+        visible = mask if seg is None else mask & (seg == 1 + target)
+        inked = visible | (mask & ~visible & stripes)
+        mixed = 0.45 * canvas[inked] + 0.55 * np.array(colour)
+        canvas[inked] = mixed.astype(np.uint8)
+        edge = mask ^ cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(bool)
+        canvas[edge] = colour
+    return canvas
+
+
+def resized(picture: Image, width_px: int, exact: bool = False) -> Image:
+    """Scale a picture (h, w, 3) to this width; exact: by nearest neighbour, mixing no colours."""
+    height = max(round(width_px * picture.shape[0] / picture.shape[1]), 1)
+    method = cv2.INTER_NEAREST if exact else cv2.INTER_AREA
+    return np.asarray(cv2.resize(picture, (width_px, height), interpolation=method), np.uint8)
+
+
+def _turbo(share: NDArray[Any], known: NDArray[np.bool_]) -> Image:
+    grey = (np.clip(share, 0.0, 1.0) * 255).round().astype(np.uint8)
+    coloured = np.asarray(cv2.applyColorMap(grey, cv2.COLORMAP_TURBO), np.uint8)
+    coloured[~known] = EMPTY
+    return coloured
+
+
+def _palette() -> Image:
+    table = np.full((256, 3), (110, 110, 110), np.uint8)
+    for identity, colour in _SURFACES.items():
+        table[identity] = colour
+    for target in range(len(TARGETS)):
+        table[1 + target] = TARGET_COLOURS[target]
+    for identity in range(FIRST_OBJECT, 256):
+        table[identity] = _OBJECTS[(identity - FIRST_OBJECT) % len(_OBJECTS)]
+    return table

@@ -1,0 +1,31 @@
+"""Numbers and outcomes of a verdict in words."""
+
+from __future__ import annotations
+
+import math
+
+from reports.gate.metrics import Metric
+from reports.gate.verdict import MetricVerdict
+
+
+def outcome_text(judged: MetricVerdict) -> str:
+    """A metric's outcome, an improvement beyond doubt marked."""
+    return "pass (better)" if judged.better else judged.verdict
+
+
+def interval_text(judged: MetricVerdict) -> str:
+    """The interval of a metric's difference, without its unit."""
+    d = judged.difference
+    if not math.isfinite(d.low):
+        return "unknown"
+    return f"{number(d.low, '+')} to {number(d.high, '+')}"
+
+
+def unit_text(metric: Metric) -> str:
+    """The unit behind a number of this metric, "" for shares."""
+    return "" if metric.unit == "1" else f" {metric.unit}"
+
+
+def number(value: float, sign: str = "") -> str:
+    """A number of three digits; sign "+" shows a plus."""
+    return f"{value:{sign}.3g}" if value else "0"

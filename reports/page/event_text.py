@@ -1,0 +1,26 @@
+"""Events and stages in words, from rows of the table of events."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from reports.summary.text import LABELS
+
+_STAGES = {"none": "no single stage", "process": "process model"}
+
+
+def event_text(event: Mapping[Any, Any]) -> str:
+    """An event in words, such as "right hand captured by head"."""
+    target = LABELS[event["target"]]
+    return {
+        "swap": "hands swapped",
+        "capture": f"{target} captured by {LABELS.get(event['other'], '?')}",
+        "lost": f"{target} lost",
+        "recovered": f"{target} recovered",
+    }[event["kind"]]
+
+
+def stage_text(stage: str) -> str:
+    """The stage at fault for an event in words."""
+    return _STAGES.get(stage, stage)

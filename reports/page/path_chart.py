@@ -1,0 +1,90 @@
+"""Paths of head and hands in an oblique view."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+
+from pjpdaf.arrays import Floats
+from pjpdaf.targets import TARGETS
+from reports.page.svg import TOP, WIDTH, legend, marker, path_data, round_step, svg
+from reports.summary.text import LABELS
+
+# View of the 3-D paths: columns are the world's x, y, z in the picture (right, up).
+_VIEW = np.array([[-0.62, 0.78, 0.0], [-0.30, -0.24, 0.92]])
+
+
+def path_chart(truth_mm: Floats, estimates_mm: Floats, height: int = 340) -> Markup:
+    """Draw 3-D paths (F, T, 3) [mm]: estimates in colour, truth thin (Fig. 4.2, 4.4).
+
+    World axes: x towards the cameras, y to the person's left, z up. Estimates more than
+    300 mm outside the box of the truth are cut off.
+    """
+    flat = truth_mm.reshape(-1, 3)
+    low = np.floor(flat.min(axis=0) / 100 - 0.5) * 100
+    high = np.ceil(flat.max(axis=0) / 100 + 0.5) * 100
+    near = (estimates_mm > low - 300) & (estimates_mm < high + 300)
+    estimates_mm = np.where(near.all(axis=-1, keepdims=True), estimates_mm, np.nan)
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    box = (low + corners * (high - low)) @ _VIEW.T
+    scale = min((WIDTH - 2 * 46) / np.ptp(box[:, 0]), (height - TOP - 40) / np.ptp(box[:, 1]))
+    middle = (box.max(axis=0) + box.min(axis=0)) / 2
+    centre = np.array([WIDTH / 2, (TOP + height - 14) / 2])
+
+    def place(points_mm: Floats) -> Floats:
+        return np.asarray(centre + (points_mm @ _VIEW.T - middle) * [scale, -scale])
+
+    parts = [_box(low, high, place)]
+    for kind, paths in (("estimate", estimates_mm), ("truth", truth_mm)):
+        for t, target in enumerate(TARGETS):
+            line = path_data(place(paths[:, t]))
+            parts.append(f'<path class="line {kind} {target}" d="{line}"/>')
+    for t, target in enumerate(TARGETS):
+        known = estimates_mm[np.isfinite(estimates_mm[:, t]).all(axis=1), t]
+        if len(known):
+            x, y = place(known[-1])
+            parts.append(marker(target, float(x), float(y), 5.0, f"{LABELS[target]}, last frame"))
+    parts.append(legend(TARGETS))
+    return svg(parts, height, "Paths of head and hands in 3-D: estimates in colour, truth thin")
+
+
+def _box(low: Floats, high: Floats, place: Any) -> str:
+    """Floor grid of a 3-D box with its axes and their ticks [mm]."""
+    parts = []
+    step = round_step(float((high - low).max()) / 5)
+    edges: list[tuple[int, int, Floats]] = [
+        # axis of the ticks, axis of the grid lines, corner of the third axis
+        (0, 1, low),
+        (1, 0, low),
+    ]
+    for along, across, fixed in edges:
+        for value in np.arange(np.ceil(low[along] / step) * step, high[along] + 1, step):
+            ends = np.array([fixed, fixed], dtype=np.float64)
+            ends[:, along] = value
+            ends[:, across] = low[across], high[across]
+            parts.append(f'<path class="grid" d="{path_data(place(ends))}"/>')
+            x, y = place(ends[1])
+            anchor = "start" if along == 0 else "end"
+            shift = 6 if along == 0 else -6
+            parts.append(
+                f'<text class="soft" x="{x + shift:.1f}" y="{y + 10:.1f}" text-anchor="{anchor}">'
+                f"{value + 0.0:g}</text>"
+            )
+    for value in np.arange(np.ceil(low[2] / step) * step, high[2] + 1, step):
+        at = place(np.array([low[0], high[1], value]))
+        parts.append(
+            f'<text class="soft" x="{at[0] + 6:.1f}" y="{at[1] + 4:.1f}">{value + 0.0:g}</text>'
+        )
+    upright = np.array([[low[0], high[1], low[2]], [low[0], high[1], high[2]]])
+    parts.append(f'<path class="grid" d="{path_data(place(upright))}"/>')
+    names = {
+        "x [mm]": (np.array([(low[0] + high[0]) / 2, high[1], low[2]]), 44, 24),
+        "y [mm]": (np.array([high[0], (low[1] + high[1]) / 2, low[2]]), -40, 24),
+        "z [mm]": (np.array([low[0], high[1], high[2]]), -8, -8),
+    }
+    for name, (point, dx, dy) in names.items():
+        x, y = place(point)
+        parts.append(f'<text x="{x + dx:.1f}" y="{y + dy:.1f}" text-anchor="middle">{name}</text>')
+    return "".join(parts)

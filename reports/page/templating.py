@@ -1,0 +1,88 @@
+"""The one Jinja environment of all pages, their styles and scripts, and the writing of a page."""
+
+from __future__ import annotations
+
+import json
+import re
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from markupsafe import Markup
+
+from reports.summary.tables import time_text
+from reports.summary.text import LABELS, number, percent
+from sim.files import disk_faults, written_whole_file
+
+
+def rendered(template: str, **values: Any) -> str:
+    """Render a template of the folder `templates`; all but Markdown escapes its values as HTML."""
+    return _environment().get_template(template).render(**values)
+
+
+def asset(*names: str) -> Markup:
+    """Files of the folder `templates` one after the other, to stand in a page as they are."""
+    folder = resources.files("reports") / "page" / "templates"
+    return Markup("\n".join((folder / name).read_text(encoding="utf-8") for name in names))
+
+
+def script(*names: str) -> Markup:
+    """JavaScript files in one scope of their own, in this order.
+
+    A page opened from disk cannot import modules; so its parts are put together here, and what
+    one declares the next ones use.
+    """
+    return Markup('"use strict";\n(() => {\n') + asset(*names) + Markup("\n})();\n")
+
+
+def write_text(path: Path, text: str) -> Path:
+    """Write a page, whole or not at all, and return its path. Raises BenchError."""
+    noun = "the report"
+    with written_whole_file(path, noun, replace=True) as part, disk_faults(path, noun):
+        part.write_text(text, encoding="utf-8")
+    return path
+
+
+@cache
+def _environment() -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("reports", "page/templates"),
+        autoescape=lambda name: name is None or not name.endswith(".md.j2"),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters.update(
+        number=number,
+        percent=percent,
+        time_text=time_text,
+        label=LABELS.__getitem__,
+        plain_value=plain_value,
+        share=_share,
+        group_title=group_title,
+        plain_markdown=plain_markdown,
+    )
+    return environment
+
+
+def plain_value(value: Any) -> str:
+    """A value of run.json for reading: text as it is, all else as JSON."""
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+
+
+def group_title(group: str) -> str:
+    """A group's name for reading, such as "Hand and head"."""
+    return group.replace("_", " ").capitalize()
+
+
+def plain_markdown(text: str) -> str:
+    """Escape text for one line of Markdown."""
+    return re.sub(r"([\\`*\[\]|<>])", r"\\\1", " ".join(text.split()))
+
+
+def _share(value: float) -> str:
+    """A share 0-1 with three digits, "-" for nothing to measure."""
+    return "-" if value != value else f"{value:.3f}"

@@ -1,0 +1,34 @@
+"""Names, numbers, shares and counts as the tables and pages write them."""
+
+from __future__ import annotations
+
+import math
+
+ALL = "all"
+LABELS = {"head": "head", "right_hand": "right hand", "left_hand": "left hand", ALL: "all"}
+
+
+def number(value: float) -> str:
+    """Three figures; "∞" where most frames lack an estimate, "-" without any frame."""
+    if math.isnan(value):
+        return "-"
+    if math.isinf(value):
+        return "∞"
+    return f"{value:.1f}" if abs(value) < 99.95 else f"{value:.0f}"
+
+
+def percent(share: float) -> str:
+    """A share 0-1 as per cent. Never rounded up to 100 or down to 0."""
+    if math.isnan(share):
+        return "-"
+    text = f"{100 * share:.1f}"
+    if text == "100.0" and share < 1:
+        text = "> 99.9"
+    elif text == "0.0" and share > 0:
+        text = "< 0.1"
+    return {"100.0": "100", "0.0": "0"}.get(text, text) + " %"
+
+
+def count(n: int, noun: str) -> str:
+    """'1 episode', '2 episodes'."""
+    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"

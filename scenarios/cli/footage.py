@@ -1,0 +1,116 @@
+"""The verbs of real footage: track, calibrate."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from scenarios.cli.options import LeftView, PlugInName, PresetName, ResultsOut, RightView
+
+
+def track(
+    left: LeftView,
+    right: RightView,
+    calibration: Annotated[
+        tuple[Path, Path],
+        typer.Option(
+            metavar="INTRINSICS EXTRINSICS", help="Files as OpenCV's stereo sample writes them."
+        ),
+    ],
+    out: ResultsOut,
+    background_left: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Person-free pictures, left view.")
+    ] = None,
+    background_right: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Person-free pictures, right view.")
+    ] = None,
+    background_first: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Instead: the footage's first N frames are person-free."),
+    ] = None,
+    fps: Annotated[
+        float | None, typer.Option(help="Frames a second [the video's own; 3 for folders].")
+    ] = None,
+    preset: PresetName = "thesis",
+    detector: PlugInName = None,
+    tracker: PlugInName = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", metavar="KEY=VALUE", help="Change detector.NAME or tracker.NAME. Repeatable."
+        ),
+    ] = None,
+    skin_sample: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE|head",
+            help="Learn the skin's colour from a picture cropped to skin, or from the head in the "
+            "first frames.",
+        ),
+    ] = None,
+    unit: Annotated[
+        str,
+        typer.Option(help="Unit of the calibration's T: m, cm, mm, in, or a number of metres."),
+    ] = "m",
+) -> None:
+    """Track head and hands in real footage: tracks.csv, tracks.parquet, overlay film, report page.
+
+    Positions are in the left camera's frame (OpenCV: x right, y down, z forward), in metres.
+    """
+    from scenarios.footage.session import TrackRequest
+    from scenarios.footage.track import track as track_footage
+
+    track_footage(
+        TrackRequest(
+            left=left,
+            right=right,
+            calibration=calibration,
+            background_left=background_left,
+            background_right=background_right,
+            background_first=background_first,
+            fps=fps,
+            preset=preset,
+            detector=detector or preset,
+            tracker=tracker or preset,
+            settings=tuple(settings or ()),
+            skin_sample=skin_sample,
+            unit=unit,
+            out=out,
+            argv=tuple(sys.argv[1:]),
+        )
+    )
+
+
+def calibrate(
+    left: LeftView,
+    right: RightView,
+    board: Annotated[
+        str, typer.Option(metavar="9x6", help="Inner corners of the board, columns x rows.")
+    ],
+    square: Annotated[float, typer.Option(metavar="M", help="Side of a square [m].")],
+    out: ResultsOut,
+    charuco: Annotated[
+        str | None,
+        typer.Option(metavar="DICT", help="ChArUco board with markers such as DICT_4X4_50."),
+    ] = None,
+    marker: Annotated[
+        float | None, typer.Option(metavar="M", help="Side of a ChArUco marker [m].")
+    ] = None,
+    coefficients: Annotated[
+        int, typer.Option(help="Coefficients of the lens model: 4, 5, 8, 12 or 14.")
+    ] = 5,
+) -> None:
+    """Calibrate two cameras from pictures of a chessboard or ChArUco board.
+
+    Writes intrinsics.yml and extrinsics.yml as OpenCV's stereo sample does, the corners found, and
+    a rectified pair.
+    """
+    from scenarios.footage.calibrate import CalibrateRequest
+    from scenarios.footage.calibrate import calibrate as calibrate_cameras
+
+    calibrate_cameras(
+        CalibrateRequest(left, right, board, square, charuco, marker, coefficients, out)
+    )

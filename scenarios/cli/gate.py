@@ -1,0 +1,66 @@
+"""The verbs of the gate: compare, baseline."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from scenarios.cli.options import RunFolder
+
+
+def compare(
+    base: Annotated[Path, typer.Argument(metavar="BASE", help="Folder of a saved run.")],
+    new: Annotated[Path, typer.Argument(metavar="NEW", help="Another, that must not be worse.")],
+    margins: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="YAML file with margins: `margins: {error_mm: 2.5}`."),
+    ] = None,
+    margin: Annotated[
+        list[str] | None,
+        typer.Option(metavar="METRIC=VALUE", help="How much worse it may be. Repeatable."),
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder of the verdict's files [NEW].")] = None,
+    escalate: Annotated[
+        bool,
+        typer.Option("--escalate", help="Where inconclusive: play more seeds of both."),
+    ] = False,
+    jobs: Annotated[
+        int | None, typer.Option(help="With --escalate: worker processes [all cores].")
+    ] = None,
+) -> None:
+    """The gate: a paired verdict on two saved runs, per metric.
+
+    Writes verdict.json, junit.xml, summary.md, badge.json. Exit code 0: no worse; 1: worse; 3:
+    inconclusive; 4: the runs did not play the same.
+    """
+    from scenarios.run.compare import CompareRequest, compare_runs
+
+    raise typer.Exit(
+        compare_runs(
+            CompareRequest(
+                base=base,
+                new=new,
+                margins_file=margins,
+                margins=tuple(margin or ()),
+                out=out,
+                escalate=escalate,
+                jobs=jobs,
+                argv=tuple(sys.argv[1:]),
+            )
+        )
+    )
+
+
+def baseline(
+    run_folder: RunFolder,
+    out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder of the slim copy.")],
+    replace: Annotated[bool, typer.Option("--replace", help="A run may lie there.")] = False,
+) -> None:
+    """Keep of a saved run only what `compare` needs, small enough for git."""
+    from reports.run.load import load
+    from reports.run.save import save_slim
+
+    typer.echo(f"baseline: {save_slim(load(run_folder), out, force=replace)}")

@@ -1,0 +1,84 @@
+"""What this machine has, and what is missing."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import platform
+import sys
+from dataclasses import dataclass
+
+from pjpdaf.errors import BenchError
+
+PACKAGES = (
+    "mujoco",
+    "mujoco-core",
+    "numpy",
+    "opencv-python-headless",
+    "scipy",
+    "pandas",
+    "pyarrow",
+)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that was looked at; remedy is empty where nothing needs doing."""
+
+    what: str
+    good: bool
+    found: str
+    remedy: str = ""
+
+
+def examine() -> list[Finding]:
+    """Python, packages, OpenGL and the self-test of the geometry."""
+    return [_python(), *(_package(name) for name in PACKAGES), _one_opencv(), *_rendering()]
+
+
+def _python() -> Finding:
+    good = sys.version_info >= (3, 11)
+    remedy = "" if good else "install Python 3.11 or newer"
+    found = f"{platform.python_version()} on {platform.platform()}, {os.cpu_count()} cores"
+    return Finding("Python", good, found, remedy)
+
+
+def _package(name: str) -> Finding:
+    try:
+        return Finding(name, True, importlib.metadata.version(name))
+    except importlib.metadata.PackageNotFoundError:
+        return Finding(name, False, "not installed", f"pip install {name}")
+
+
+def _one_opencv() -> Finding:
+    # Both wheels write the same folder cv2: whichever came last wins, and removing one breaks both.
+    others = []
+    for name in ("opencv-python", "opencv-contrib-python", "opencv-contrib-python-headless"):
+        try:
+            others.append(f"{name} {importlib.metadata.version(name)}")
+        except importlib.metadata.PackageNotFoundError:
+            continue
+    if not others:
+        return Finding("one OpenCV", True, "the headless wheel alone")
+    remedy = (
+        f"pip uninstall {others[0].split()[0]}; "
+        "pip install --force-reinstall --no-deps opencv-python-headless"
+    )
+    return Finding("one OpenCV", False, ", ".join(others) + " beside the headless wheel", remedy)
+
+
+def _rendering() -> list[Finding]:
+    from sim.processes import check_renderer
+
+    asked = os.environ.get("MUJOCO_GL")
+    setting = Finding("MUJOCO_GL", True, asked if asked else "not set (chosen by probing)")
+    try:
+        renderer = check_renderer()
+    except BenchError as fault:
+        what, _, remedy = str(fault).partition("; ")
+        return [setting, Finding("offscreen OpenGL", False, what, remedy)]
+    return [
+        setting,
+        Finding("offscreen OpenGL", True, renderer),
+        Finding("self-test", True, "a rendered sphere is where the camera says"),
+    ]

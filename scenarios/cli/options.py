@@ -1,0 +1,36 @@
+"""Arguments and options that several verbs share, each declared once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Targets = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="[SCENARIO|SUITE]...", help="Names, or YAML files."),
+]
+RunFolder = Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a saved run.")]
+DatasetFolder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a data set.")]
+
+PresetName = Annotated[
+    str, typer.Option(help="Detector and tracker of this preset: thesis, thesis-literal.")
+]
+PlugInName = Annotated[str | None, typer.Option(help="Preset, entry point or module:factory.")]
+ScenarioSettings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change a scenario parameter. Repeatable."),
+]
+Jobs = Annotated[int | None, typer.Option(help="Worker processes [all cores].")]
+RunOut = Annotated[Path | None, typer.Option(help="Folder of the saved run [runs/NAME-DATE-TIME].")]
+ExportFormats = Annotated[
+    str | None,
+    typer.Option(metavar="A,B", help="Of coco, mot, webdataset, parquet; or none [coco,mot]."),
+]
+
+LeftView = Annotated[
+    Path, typer.Option(metavar="DIR|VIDEO", help="Left view: folder, pattern or video.")
+]
+RightView = Annotated[Path, typer.Option(metavar="DIR|VIDEO", help="Right view, likewise.")]
+ResultsOut = Annotated[Path, typer.Option(metavar="DIR", help="New folder for all results.")]

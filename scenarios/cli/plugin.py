@@ -1,0 +1,33 @@
+"""The verb of `plugin`: check."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(help="Trackers and detectors of your own.", no_args_is_help=True)
+
+
+@app.command("check")
+def check(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Entry point or module:factory.")],
+    kind: Annotated[str, typer.Option(help="tracker or detector.")] = "tracker",
+    limit: Annotated[float, typer.Option(help="How long one call may take [s].")] = 10.0,
+) -> None:
+    """Say what is wrong with a tracker or detector of your own, a line each; exit code 1 then."""
+    from pjpdaf.plugins.conformance import LONGEST_LIMIT_S, check_named
+    from scenarios.execute.isolated import Ended, allow_plug_ins_from_here, isolated
+
+    allow_plug_ins_from_here(name)
+    try:
+        # A call has a limit of its own; the whole has one for what hangs between the calls.
+        what = f"{kind} {name!r}"
+        faults = isolated(what, LONGEST_LIMIT_S, check_named, kind, name, limit)
+    except Ended as end:
+        faults = (str(end),)
+    for fault in faults:
+        typer.echo(fault)
+    if faults:
+        raise typer.Exit(1)
+    typer.echo(f"ok: {kind} {name}")

@@ -1,0 +1,145 @@
+"""The verbs that save a run or make its page: run, report, score."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pjpdaf.errors import BenchError
+from scenarios.cli.options import Jobs, PlugInName, PresetName, RunOut, Targets
+
+
+def run(
+    targets: Targets = None,
+    seeds: Annotated[
+        int | None,
+        typer.Option(help="Episodes of each scenario, seeds 0 to N-1 [the suite's own; 10]."),
+    ] = None,
+    preset: PresetName = "thesis",
+    detector: PlugInName = None,
+    tracker: PlugInName = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Change a scenario parameter, or detector.NAME / tracker.NAME. Repeatable.",
+        ),
+    ] = None,
+    jobs: Jobs = None,
+    out: RunOut = None,
+    first_seed: Annotated[int, typer.Option(help="Where the seeds start.")] = 0,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Only this of what is named; as in the table."),
+    ] = None,
+    slim: Annotated[
+        bool, typer.Option("--slim", help="Keep only what `compare` needs: no frames, no page.")
+    ] = False,
+    films: Annotated[
+        bool,
+        typer.Option(
+            "--films",
+            help="Keep small films of every scenario's first seed and of the worst episodes; the "
+            "page plays them.",
+        ),
+    ] = False,
+    time_limit: Annotated[
+        float, typer.Option(help="How long one episode may take [s]; then it has failed.")
+    ] = 900.0,
+    from_: Annotated[
+        Path | None,
+        typer.Option(
+            "--from",
+            metavar="DIR",
+            help="Instead: the sequences of a data set; nothing is rendered.",
+        ),
+    ] = None,
+) -> None:
+    """Play scenarios, score them, print the table, save the run and its report.
+
+    Without a name: the suite smoke.
+    """
+    from scenarios.play.plan import PlanRequest
+    from scenarios.run.run import RunRequest, run_suite
+
+    run_suite(
+        RunRequest(
+            PlanRequest(
+                targets=tuple(targets or (() if from_ else ("smoke",))),
+                seeds=seeds,
+                first_seed=first_seed,
+                only=tuple(only or ()),
+                settings=tuple(settings or ()),
+                detector=detector or preset,
+                tracker=tracker or preset,
+                keep_pictures=not slim,
+                keep_films=films and not slim,
+                dataset=from_,
+            ),
+            preset=preset,
+            jobs=jobs,
+            out=out,
+            argv=tuple(sys.argv[1:]),
+            slim=slim,
+            time_limit_s=time_limit,
+        )
+    )
+
+
+def report(
+    runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Folders of saved runs.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Where the page goes [RUN/report.html, of one run].")
+    ] = None,
+    rerun: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.rrd",
+            help="Instead of a page: a recording of one run for the viewer Rerun.",
+        ),
+    ] = None,
+) -> None:
+    """Make the report page of a saved run again, or one page of several side by side.
+
+    With --rerun a new file with cameras, films, paths, errors and events instead, to be opened with
+    `rerun FILE.rrd`; needs the extra `viz`.
+    """
+    if rerun is not None:
+        if len(runs) != 1 or out is not None:
+            raise BenchError("--rerun takes one run, and goes without --out.")
+        from reports.page.rerun import write_rerun
+        from reports.run.load import load
+        from scenarios.console.interrupts import unwritten_if_interrupted
+
+        with unwritten_if_interrupted(rerun):
+            typer.echo(f"recording: {write_rerun(load(runs[0]), rerun)}")
+        return
+    from scenarios.run.report import remake_report
+
+    typer.echo(f"report: {remake_report(runs, out)}")
+
+
+def score(
+    dataset: Annotated[Path, typer.Argument(metavar="DATASET", help="Folder of a data set.")],
+    tracks: Annotated[
+        Path,
+        typer.Argument(metavar="TRACKS", help="CSV or Parquet, or a folder with one a sequence."),
+    ],
+    out: RunOut = None,
+    frame: Annotated[
+        str,
+        typer.Option(help="Of positions: world, or left (the left camera's, as `track` writes)."),
+    ] = "world",
+) -> None:
+    """Score anyone's tracks on a data set, save them as a run with its report.
+
+    Columns: sequence, frame (from 0), target, x_m, y_m, z_m; status, sd_x_m, sd_y_m, sd_z_m if
+    known. Missing rows count as lost.
+    """
+    from scenarios.tracks.score import ScoreRequest, score_tracks
+
+    score_tracks(ScoreRequest(dataset, tracks, out, frame, tuple(sys.argv[1:])))

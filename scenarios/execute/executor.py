@@ -1,0 +1,41 @@
+"""The protocol of everything that executes tasks: processes of this machine, or a cluster."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Protocol, TypeVar
+
+from sim.processes import ATTEMPTS, Answer, Lost
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+class Executor(Protocol):
+    """Executes independent tasks in isolated processes; `sim.processes.WorkerPool` is one.
+
+    Functions and tasks are pickled. A process that dies takes no other task with it.
+    """
+
+    def outcomes(
+        self,
+        function: Callable[[T], R],
+        tasks: Mapping[int, T],
+        limit_s: float,
+        attempts: int = ATTEMPTS,
+    ) -> Iterator[tuple[int, Answer[R] | Lost] | None]:
+        """Yield (index, outcome) of `function(task)` as tasks end, None on each poll.
+
+        limit_s: time limit of one attempt; attempts: of a task whose process dies. Raises what
+        `function` raises; then, or where the caller stops early, the tasks that are left are
+        dropped.
+        """
+        ...
+
+    def renderer(self) -> str:
+        """Description of the OpenGL renderer of its processes. Raises InfrastructureError."""
+        ...
+
+    def close(self) -> None:
+        """End all processes now."""
+        ...

@@ -1,0 +1,35 @@
+"""The executor on this machine: a pool of worker processes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from pjpdaf.errors import BenchError
+from scenarios.execute.executor import Executor
+from sim.processes import WorkerPool
+
+
+def worker_count(jobs: int | None) -> int:
+    """The number of workers for `--jobs`; None: as many as there are cores.
+
+    Raises BenchError outside 1 .. max(32, 4 a core).
+    """
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    cores = cores or 1
+    most = max(32, 4 * cores)
+    if jobs is None:
+        return cores
+    if not 1 <= jobs <= most:
+        raise BenchError(
+            f"--jobs must be between 1 and {most}, got {jobs}; this machine has {cores} cores"
+        )
+    return jobs
+
+
+@contextmanager
+def local_executor(workers: int) -> Iterator[Executor]:
+    """An executor with this many worker processes, which end with the block."""
+    with WorkerPool(workers) as pool:
+        yield pool

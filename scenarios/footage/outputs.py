@@ -1,0 +1,56 @@
+"""The page and track.json of tracked footage."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from reports.footage.track_page import TrackInfo
+from reports.footage.track_record import TrackRecord
+from reports.page.templating import write_text
+from reports.run.provenance import provenance
+from scenarios.footage.session import TrackSession
+
+
+def page_info(session: TrackSession, film: Path | None, complete: bool) -> TrackInfo:
+    """The description of a session that its page shows. film: its file, None without one."""
+    request = session.request
+    background = (
+        f"the first {request.background_first} frames"
+        if request.background_first is not None
+        else f"{request.background_left} and {request.background_right}"
+    )
+    return TrackInfo(
+        title=f"Tracks: {request.out.absolute().name}",
+        complete=complete,
+        film=film,
+        rig=session.rig,
+        sources=(
+            ("left", str(request.left)),
+            ("right", str(request.right)),
+            ("background", background),
+            ("calibration", " and ".join(map(str, request.calibration))),
+            ("frames a second", f"{session.rate_hz:g}"),
+        ),
+        parameters=session.parameters,
+        changed=session.changed,
+        provenance=provenance(request.argv),
+    )
+
+
+def write_json(path: Path, session: TrackSession, record: TrackRecord, info: TrackInfo) -> None:
+    """Write track.json: sources, parameters, provenance, and frames by status."""
+    content = {
+        "kind": "pjpdaf-bench track",
+        "complete": info.complete,
+        "frames": record.frames,
+        "rate_hz": session.rate_hz,
+        "missing_pictures": record.missing_pictures,
+        "first_tracked_frame": record.first_frame,
+        "targets": {summary.target: dict(summary.frames) for summary in record.summaries()},
+        "sources": dict(info.sources),
+        "parameters": dict(session.parameters),
+        "changed": sorted(session.changed),
+        "provenance": dict(info.provenance),
+    }
+    write_text(path, json.dumps(content, indent=1, ensure_ascii=False, default=str) + "\n")

@@ -1,0 +1,169 @@
+"""A checked request of `track`: rig, detector, tracker and frame rate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pjpdaf.calibration import read_rig
+from pjpdaf.camera import StereoRig
+from pjpdaf.errors import BenchError
+from pjpdaf.frames import StereoFrame
+from pjpdaf.interfaces import AnyTracker, Detector
+from pjpdaf.plugins.registry import make_detector, make_tracker
+from pjpdaf.presets.flat import flat_values
+from pjpdaf.presets.override import override
+from pjpdaf.presets.registry import PRESETS, find_preset
+from pjpdaf.sources import (
+    FOLDER_RATE_HZ,
+    Video,
+    open_source,
+    picture_pairs,
+    stereo_frames,
+)
+from scenarios.execute.isolated import allow_plug_ins_from_here
+from scenarios.footage.skin_sample import skin_of_sample
+from scenarios.play.settings import read_settings
+
+UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
+LARGE_BASELINE_M = 1.0  # two cameras that see one table are nearer
+
+
+@dataclass(frozen=True)
+class TrackRequest:
+    """The options of `track`; None = not given."""
+
+    left: Path
+    right: Path
+    calibration: tuple[Path, Path]
+    background_left: Path | None
+    background_right: Path | None
+    background_first: int | None
+    fps: float | None
+    preset: str
+    detector: str
+    tracker: str
+    settings: tuple[str, ...]
+    skin_sample: Path | None
+    unit: str
+    out: Path
+    argv: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class TrackSession:
+    """A checked request, with all but the pictures themselves.
+
+    total: stereo frames of the footage, None if unknown; parameters: values in force, by name;
+    changed: those of them that the user changed, or that a sample of skin gave.
+    """
+
+    request: TrackRequest
+    rig: StereoRig
+    rate_hz: float
+    total: int | None
+    detector: Detector
+    tracker: AnyTracker
+    parameters: Mapping[str, Any]
+    changed: Mapping[str, Any]
+
+    @property
+    def sizes_px(self) -> tuple[tuple[int, int], tuple[int, int]]:
+        """Width and height of each view."""
+        left, right = self.rig.cameras
+        return (left.width_px, left.height_px), (right.width_px, right.height_px)
+
+    def frames(self, warn: Callable[[str], None] | None = None) -> Iterator[StereoFrame]:
+        """The footage. warn: takes a message for each picture that is missing or damaged."""
+        request = self.request
+        return stereo_frames(request.left, request.right, self.rate_hz, self.sizes_px, warn)
+
+
+def prepare_session(request: TrackRequest, warn: Callable[[str], None]) -> TrackSession:
+    """Check a request and build its session. Raises BenchError for any fault of the request."""
+    allow_plug_ins_from_here(request.detector, request.tracker)
+    settings = read_settings(request.settings)
+    for key in settings.scenario:
+        raise BenchError(f"--set {key}: footage has only detector.NAME and tracker.NAME to change")
+    _check_background(request)
+    if request.fps is not None and not 0 < request.fps <= 1000:
+        raise BenchError(f"--fps must be above 0 and at most 1000, got {request.fps:g}")
+    size_px = _first_size(request)
+    rig = read_rig(*request.calibration, size_px=size_px, unit_m=parse_unit(request.unit))
+    baseline_m = float((rig.T @ rig.T) ** 0.5)
+    if baseline_m > LARGE_BASELINE_M:
+        warn(
+            f"{request.calibration[1]}: the cameras are {baseline_m:.2f} m apart; if T is not in "
+            "metres, give --unit mm, or the side of the board's square in metres."
+        )
+    learnt = skin_of_sample(request.skin_sample)
+    detector_settings = {**learnt, **settings.detector}
+    detector = make_detector(request.detector, rig.cameras, detector_settings)
+    tracker = make_tracker(request.tracker, rig.cameras, settings.tracker)
+    parameters: dict[str, Any] = {"detector": request.detector, "tracker": request.tracker}
+    if request.detector in PRESETS:
+        chosen = override(find_preset(request.detector), detector_settings).detector
+        parameters |= {f"detector.{key}": value for key, value in flat_values(chosen).items()}
+    if request.tracker in PRESETS:
+        used = override(find_preset(request.tracker), settings.tracker).tracker
+        parameters |= {f"tracker.{key}": value for key, value in flat_values(used).items()}
+    changed = {f"detector.{key}" for key in detector_settings}
+    changed |= {f"tracker.{key}" for key in settings.tracker}
+    left = open_source(request.left)
+    own_hz = left.rate_hz if isinstance(left, Video) and left.rate_hz else FOLDER_RATE_HZ
+    counts = [s.count for s in (left, open_source(request.right))]
+    return TrackSession(
+        request,
+        rig,
+        request.fps or own_hz,
+        max(counts) if all(counts) else None,
+        detector,
+        tracker,
+        parameters,
+        {key: parameters[key] for key in changed if key in parameters},
+    )
+
+
+def parse_unit(text: str) -> float:
+    """Length [m] of the calibration's unit: m, cm, mm, in, or a number of metres."""
+    if text in UNITS_M:
+        return UNITS_M[text]
+    try:
+        length_m = float(text)
+    except ValueError:
+        length_m = 0.0
+    if not 0 < length_m < 1000:
+        raise BenchError(
+            f"--unit must be one of {', '.join(UNITS_M)} or a number of metres, got {text!r}"
+        )
+    return length_m
+
+
+def _check_background(request: TrackRequest) -> None:
+    folders = (request.background_left, request.background_right)
+    first = request.background_first
+    if first is None and folders == (None, None):
+        raise BenchError(
+            "No background: give --background-left and --background-right, person-free pictures of "
+            "each view, or --background-first N where the footage begins with N such frames."
+        )
+    if first is not None and folders != (None, None):
+        raise BenchError("Give --background-first or the background folders, not both.")
+    if first is None and None in folders:
+        raise BenchError("Give both --background-left and --background-right.")
+    if first is not None and first < 2:
+        raise BenchError(f"--background-first must be at least 2, got {first}")
+
+
+def _first_size(request: TrackRequest) -> tuple[int, int]:
+    """Width and height of the left view's first readable picture."""
+    if request.left.resolve() == request.right.resolve():
+        raise BenchError(f"--left and --right are the same: {request.left}")
+    # Opens both: a wrong path, an empty folder or unlike lengths are found before anything else.
+    for pair in picture_pairs(request.left, request.right):
+        picture = pair.pictures[0]
+        if picture is not None:
+            return picture.shape[1], picture.shape[0]
+    raise BenchError(f"{request.left}: no picture in it can be read.")

@@ -1,0 +1,1 @@
+"""Parameters of a scenario: numbers with unit, range and distribution, choices, files."""

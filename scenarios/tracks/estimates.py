@@ -1,0 +1,76 @@
+"""Estimates from tracks, and signs that their unit or frame is wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pjpdaf.arrays import Floats
+from pjpdaf.camera import Camera
+from pjpdaf.errors import BenchError
+from pjpdaf.interfaces import Estimates
+from pjpdaf.targets import TARGETS
+from scenarios.tracks.tracks import LOST, Tracks
+from sim.dataset.stored_sequence import StoredSequence
+
+FRAMES = ("world", "left")
+FAR_M = 50.0  # median distance from the cameras; above it, positions are not in metres
+NOTABLE_M = 0.1  # median error that may come from the wrong --frame
+
+
+def estimates_of(tracks: Tracks, camera: Camera, frame: str) -> list[Estimates]:
+    """Make the estimates of each frame, in the data set's world.
+
+    camera: the left one of the calibration, in whose frame the positions are where frame is "left".
+    Deviations become a covariance without correlations.
+    """
+    positions = tracks.positions_m
+    covariances = np.full((*positions.shape, 3), np.nan)
+    known = np.isfinite(tracks.sd_m).all(axis=-1)
+    covariances[known] = tracks.sd_m[known][:, :, None] ** 2 * np.eye(3)
+    if frame == "left":
+        R = camera.R_cw.T
+        positions = (positions - camera.t_cw) @ R.T
+        covariances = R @ covariances @ R.T
+    unknown = np.full((len(TARGETS), 3), np.nan)
+    return [
+        Estimates(position, covariance, unknown, status)
+        for position, covariance, status in zip(positions, covariances, tracks.status, strict=True)
+    ]
+
+
+def lost_estimates() -> Estimates:
+    """Estimates of a frame in which all targets are lost."""
+    waiting = Estimates.waiting(len(TARGETS))
+    return Estimates(
+        waiting.positions_m,
+        waiting.covariances_m2,
+        waiting.velocities_mps,
+        (LOST,) * len(TARGETS),
+    )
+
+
+def check_metres(tracks: Tracks, estimates: list[Estimates], camera: Camera) -> None:
+    """Raise BenchError for positions so far from the camera that they are not in metres."""
+    far = np.linalg.norm(_positions(estimates) - camera.centre_w, axis=-1)
+    median = float(np.nanmedian(far)) if np.isfinite(far).any() else 0.0
+    if median > FAR_M:
+        raise BenchError(
+            f"{tracks.path}: the positions are {median:.0f} m from the cameras (median); metres "
+            "are expected, not mm"
+        )
+
+
+def much_nearer(sequence: StoredSequence, given: list[Estimates], other: list[Estimates]) -> bool:
+    """Whether the estimates `other` are so much nearer to the truth that they are likely meant."""
+    centres = np.stack([truth.centres_m for truth in sequence.truths])
+    errors = [
+        np.linalg.norm(_positions(estimates) - centres, axis=-1) for estimates in (given, other)
+    ]
+    if not np.isfinite(errors[0]).any():
+        return False
+    now, then = (float(np.nanmedian(error)) for error in errors)
+    return now > NOTABLE_M and then < now / 2
+
+
+def _positions(estimates: list[Estimates]) -> Floats:
+    return np.stack([frame.positions_m for frame in estimates])

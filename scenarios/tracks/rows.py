@@ -1,0 +1,82 @@
+"""Rows of track files, CSV or Parquet, read one by one."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from pjpdaf.errors import BenchError
+
+POSITION = ("x_m", "y_m", "z_m")
+DEVIATION = ("sd_x_m", "sd_y_m", "sd_z_m")
+NEEDED = ("frame", "target", *POSITION)
+SUFFIXES = (".csv", ".parquet")
+BATCH_ROWS = 10_000
+
+TrackRow = tuple[str, Mapping[str, Any]]  # its place, for messages, and its cells by column
+
+
+def read_rows(path: Path, needed: Sequence[str]) -> Iterator[TrackRow]:
+    """Yield the rows of a file. Raises BenchError where it is damaged or lacks a column."""
+    read: Callable[[Path, Sequence[str]], Iterator[TrackRow]]
+    read = _rows_of_csv if path.suffix.lower() == ".csv" else _rows_of_parquet
+    try:
+        yield from read(path, needed)
+    except OSError as fault:
+        raise BenchError(f"{path}: cannot be read: {fault.strerror or fault}.") from fault
+
+
+def _check_columns(where: str, names: Sequence[str], needed: Sequence[str]) -> None:
+    missing = [name for name in needed if name not in names]
+    if missing:
+        there = ", ".join(names)[:120]
+        raise BenchError(f"{where}: lacks the columns {', '.join(missing)}; there are: {there}")
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        raise BenchError(f"{where}: has the column {twice[0]!r} twice")
+
+
+def _rows_of_csv(path: Path, needed: Sequence[str]) -> Iterator[TrackRow]:
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        lines = csv.reader(file)
+        try:
+            names = [name.strip() for name in next(lines, [])]
+            _check_columns(f"{path}:1", names, needed)
+            for cells in lines:
+                if not cells:
+                    continue
+                where = f"{path}:{lines.line_num}"
+                if len(cells) != len(names):
+                    raise BenchError(
+                        f"{where}: has {len(cells)} cells, the first line has {len(names)}"
+                    )
+                yield where, {n: cell.strip() for n, cell in zip(names, cells, strict=True)}
+        except csv.Error as fault:
+            raise BenchError(f"{path}:{lines.line_num}: is not CSV: {fault}") from fault
+        except UnicodeDecodeError as fault:
+            raise BenchError(f"{path}:{lines.line_num + 1}: is not UTF-8 text") from fault
+
+
+def _rows_of_parquet(path: Path, needed: Sequence[str]) -> Iterator[TrackRow]:
+    number = 0
+    try:
+        with pq.ParquetFile(path) as file:
+            names = list(file.schema_arrow.names)
+            _check_columns(str(path), names, needed)
+            taken = [n for n in ("sequence", *NEEDED, "status", *DEVIATION) if n in names]
+            for name in taken:
+                kind = file.schema_arrow.field(name).type
+                if pa.types.is_nested(kind):
+                    raise BenchError(f"{path}: column {name!r} must be numbers or text, is {kind}")
+            for batch in file.iter_batches(BATCH_ROWS, columns=taken):
+                for row in batch.to_pylist():
+                    number += 1
+                    yield f"{path}: row {number}", row
+    except (pa.ArrowException, UnicodeDecodeError) as fault:
+        reason = " ".join(str(fault).split())[:200].rstrip(".")
+        raise BenchError(f"{path}: cannot be read as Parquet: {reason}.") from fault

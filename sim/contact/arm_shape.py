@@ -1,0 +1,204 @@
+"""The shape of an arm: the bars of its hand, its sleeve and its upper arm, apart from any pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from pjpdaf.arrays import Floats, readonly
+from sim.anatomy import Anatomy
+from sim.contact.capsules import Capsules
+from sim.person.hand import fingers, joint_angles
+from sim.person.kinematics import OUTWARD, Arm
+from sim.person.sleeves import ELBOW_M, WRIST_M
+
+# Bars of the palm: (across, from, to) of the average hand that `sim.person.hand` is drawn for [m].
+_PALM_BARS = (
+    (0.024, -0.062, 0.016),
+    (0.008, -0.068, 0.020),
+    (-0.009, -0.068, 0.016),
+    (-0.024, -0.06, 0.006),
+)
+_PALM_RADIUS = 0.0145
+_AVERAGE_BREADTH_M, _AVERAGE_PALM_M, _AVERAGE_STATURE_M = 0.0851, 0.0774, 1.72
+
+# Sleeves, as drawn for the average person: radii from the elbow to 3/4 of the way [m].
+_SLEEVE_M = (ELBOW_M, 0.0455, 0.0415, 0.036)
+_CUFF_M = 0.012  # the sleeve ends this much before the wrist, flat
+_UPPER_M = (0.0495, 0.0455)  # upper and lower half of the upper arm
+_FOREARM_POINTS = np.linspace(0.0, 1.0, 9)  # shares of the sleeve from the elbow
+_UPPER_BARS = np.array([[0.12, 0.55], [0.55, 1.0]])  # shares of the upper arm
+_UPPER_POINTS = np.array([0.5, 0.75])  # shares of the upper arm, points that may meet the head
+
+# The same for every arm: how its bars and points follow each other.
+PARTS = ("hand", "forearm", "upper arm")
+HAND, FOREARM, UPPER_ARM = 0, 1, 2
+_HAND_BARS, _HAND_POINTS = 19, 47
+PART_OF_BAR = np.repeat([HAND, FOREARM, UPPER_ARM], [_HAND_BARS, 4, 2])
+PART_OF_POINT = np.repeat([HAND, FOREARM, UPPER_ARM], [_HAND_POINTS, 9, 2])
+SHARE_OF_POINT = np.concatenate([np.ones(_HAND_POINTS), _FOREARM_POINTS, _UPPER_POINTS])
+SHARE_OF_BAR = np.array([1.0] * _HAND_BARS + [0.125, 0.375, 0.625, 0.86, 0.335, 0.775])
+
+
+@dataclass(frozen=True, eq=False)
+class _Digits:
+    """A right hand's thumb and fingers, 5 of 3 segments, ready to be bent.
+
+    bases_m (5, 3): first joints; ahead, up (5, 3): x and z of the straight fingers; lengths_m,
+    radii_m (5, 3); straight_rad, more_rad (5, 3): how far a segment is turned about y from the
+    finger's frame at curl 0, and how much further at 1.
+    """
+
+    bases_m: Floats
+    ahead: Floats
+    up: Floats
+    lengths_m: Floats
+    radii_m: Floats
+    straight_rad: Floats
+    more_rad: Floats
+
+    def joints(self, curls: Floats) -> Floats:
+        """First joint, two more, tip of each finger (5, 4, 3) [m] for curls (5,)."""
+        turned = (self.straight_rad + curls[:, None] * self.more_rad)[..., None]
+        along = np.cos(turned) * self.ahead[:, None] - np.sin(turned) * self.up[:, None]
+        bones = np.concatenate([self.bases_m[:, None], self.lengths_m[..., None] * along], axis=1)
+        return np.cumsum(bones, axis=1)
+
+
+@lru_cache(maxsize=64)
+def _digits(anatomy: Anatomy) -> _Digits:
+    drawn = fingers(anatomy)
+    radii = np.array([finger.radii_m for finger in drawn])
+    straight = np.array([joint_angles(finger, 0.0) for finger in drawn])
+    fist = np.array([joint_angles(finger, 1.0) for finger in drawn])
+    return _Digits(
+        bases_m=np.array([finger.base_m for finger in drawn]),
+        ahead=np.array([finger.rotation[:, 0] for finger in drawn]),
+        up=np.array([finger.rotation[:, 2] for finger in drawn]),
+        lengths_m=np.array([finger.lengths_m for finger in drawn]),
+        radii_m=0.5 * (radii[:, :-1] + radii[:, 1:]),
+        straight_rad=np.cumsum(straight, axis=1),
+        more_rad=np.cumsum(fist - straight, axis=1),
+    )
+
+
+@lru_cache(maxsize=256)
+def _hand_capsules(anatomy: Anatomy, side: int, curls: tuple[float, ...]) -> Capsules:
+    broad = anatomy.hand_breadth_m / _AVERAGE_BREADTH_M
+    long = anatomy.wrist_to_palm_m / _AVERAGE_PALM_M
+    across, near, far = np.array(_PALM_BARS).T
+    lies = np.full(len(across), -0.001)
+    digits = _digits(anatomy)
+    joints = digits.joints(np.array(curls))
+    mirror = np.array([1.0, -OUTWARD[side], 1.0])  # drawn for the right hand, thumb at +y
+    starts, ends = (
+        mirror
+        * np.concatenate(
+            [np.column_stack([reach * long, across * broad, lies]), chain.reshape(-1, 3)]
+        )
+        for reach, chain in ((near, joints[:, :-1]), (far, joints[:, 1:]))
+    )
+    return Capsules(
+        readonly(starts, (None, 3), "starts"),
+        readonly(ends, (None, 3), "ends"),
+        readonly(
+            np.concatenate([np.full(len(across), _PALM_RADIUS * broad), digits.radii_m.ravel()]),
+            (None,),
+            "radii",
+        ),
+    )
+
+
+def hand_capsules(anatomy: Anatomy, side: int, curls: Floats) -> Capsules:
+    """Palm (4 bars), thumb and fingers (3 each) in the hand's frame for curls (5,)."""
+    return _hand_capsules(anatomy, side, tuple(curls.tolist()))
+
+
+def height_above_table(anatomy: Anatomy, side: int, rotation: Floats, curls: Floats) -> float:
+    """Height of the palm's centre [m] above a surface on which the hand lies with this rotation."""
+    shape = hand_capsules(anatomy, side, curls)
+    return -shape.placed(np.zeros(3), rotation).lowest_m
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """The shape of an arm apart from its pose: 25 bars that meet the other arm, 58 points that
+    meet solids; hand, forearm, upper arm in this order.
+
+    hand: its bars in the hand's frame; hand_points_m (47, 3) likewise. sleeve (4, 2): shares of the
+    forearm where its bars begin and end; on_forearm (9, 1): of its points. radii_m (25,),
+    point_radii_m (58,). reach_m: of the hand, from the palm's centre.
+    """
+
+    hand: Capsules
+    hand_points_m: Floats
+    sleeve: Floats
+    on_forearm: Floats
+    radii_m: Floats
+    point_radii_m: Floats
+    reach_m: float
+
+    def bars(self, arm: Arm) -> Capsules:
+        """The bars of an arm in this pose, world."""
+        turn = arm.hand.T
+        fore, upper = arm.wrist_m - arm.elbow_m, arm.elbow_m - arm.shoulder_m
+        first, last = (
+            np.concatenate(
+                [
+                    hand @ turn + arm.palm_m,
+                    arm.elbow_m + self.sleeve[:, end, None] * fore,
+                    arm.shoulder_m + _UPPER_BARS[:, end, None] * upper,
+                ]
+            )
+            for end, hand in enumerate((self.hand.starts_m, self.hand.ends_m))
+        )
+        return Capsules(first, last, self.radii_m)
+
+    def points(self, arm: Arm) -> Floats:
+        """The points (58, 3) of an arm in this pose, world."""
+        return np.concatenate(
+            [
+                self.hand_points_m @ arm.hand.T + arm.palm_m,
+                arm.elbow_m + self.on_forearm * (arm.wrist_m - arm.elbow_m),
+                arm.shoulder_m + _UPPER_POINTS[:, None] * (arm.elbow_m - arm.shoulder_m),
+            ]
+        )
+
+
+POINTS_OF_PART = (slice(0, 47), slice(47, 56), slice(56, 58))  # of hand, forearm, upper arm
+
+
+@lru_cache(maxsize=512)
+def _arm_shape(anatomy: Anatomy, side: int, curls: tuple[float, ...]) -> Shape:
+    hand = _hand_capsules(anatomy, side, curls)
+    k = anatomy.stature_m / _AVERAGE_STATURE_M
+    wrist = WRIST_M * anatomy.hand_breadth_m / _AVERAGE_BREADTH_M
+    radii = np.array([*(r * k for r in _SLEEVE_M), wrist])
+    # The round end of the last bar stands for the cuff's flat one.
+    end = 1.0 - (_CUFF_M + 0.55 * wrist) / anatomy.forearm_m
+    ends = np.array([0.0, 0.25, 0.5, 0.75, end])
+    along = _FOREARM_POINTS * end
+    # Fingers are chains: a bar that goes on from another starts where that one ends.
+    first = np.ones(_HAND_BARS, dtype=bool)
+    first[len(_PALM_BARS) :] = np.tile([True, False, False], 5)
+    middles = 0.5 * (hand.starts_m + hand.ends_m)
+    upper = np.array(_UPPER_M) * k
+    r = hand.radii_m
+    return Shape(
+        hand=hand,
+        hand_points_m=np.concatenate([hand.ends_m, middles, hand.starts_m[first]]),
+        sleeve=np.column_stack([ends[:-1], ends[1:]]),
+        on_forearm=along[:, None],
+        radii_m=np.concatenate([r, 0.5 * (radii[:-1] + radii[1:]), upper]),
+        point_radii_m=np.concatenate(
+            [r, r, r[first], np.interp(along, np.linspace(0.0, 1.0, 5), radii), upper]
+        ),
+        reach_m=float(np.sqrt((hand.ends_m**2).sum(axis=1)).max() + r.max()),
+    )
+
+
+def arm_shape(anatomy: Anatomy, side: int, curls: Floats) -> Shape:
+    """The shape of an arm with these curls (5,)."""
+    return _arm_shape(anatomy, side, tuple(curls.tolist()))

@@ -1,0 +1,58 @@
+"""Capsules: round-ended bars, and how deep they overlap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pjpdaf.arrays import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Capsules:
+    """n round-ended bars: starts_m, ends_m (n, 3), radii_m (n,)."""
+
+    starts_m: Floats
+    ends_m: Floats
+    radii_m: Floats
+
+    def placed(self, position_m: Floats, rotation: Floats) -> Capsules:
+        """The same bars moved by a rigid transform: position (3,), rotation (3, 3)."""
+        turn = rotation.T
+        return Capsules(
+            self.starts_m @ turn + position_m, self.ends_m @ turn + position_m, self.radii_m
+        )
+
+    @property
+    def lowest_m(self) -> float:
+        """The lowest point of all bars along z [m]."""
+        return float((np.minimum(self.starts_m[:, 2], self.ends_m[:, 2]) - self.radii_m).min())
+
+
+def overlaps(a: Capsules, b: Capsules) -> tuple[Floats, Floats, Floats]:
+    """Overlap (n, m) of each bar of a with each of b, their axes' distance, and b -> a (n, m, 3).
+
+    All pairs at once; closest points of segments: Ericson, Real-Time Collision Detection 5.1.9.
+    """
+    p, d1 = a.starts_m[:, None], (a.ends_m - a.starts_m)[:, None]
+    q, d2 = b.starts_m[None], (b.ends_m - b.starts_m)[None]
+    r = p - q
+    A, E = (d1 * d1).sum(-1), (d2 * d2).sum(-1)
+    F, C, B = (d2 * r).sum(-1), (d1 * r).sum(-1), (d1 * d2).sum(-1)
+    denominator = np.maximum(A * E - B * B, 1e-12)
+    s = np.clip((B * F - C * E) / denominator, 0.0, 1.0)
+    t = np.clip((B * s + F) / E, 0.0, 1.0)
+    s = np.clip((B * t - C) / A, 0.0, 1.0)
+    between = r + s[..., None] * d1 - t[..., None] * d2
+    distance = np.sqrt((between * between).sum(-1))
+    return a.radii_m[:, None] + b.radii_m[None] - distance, distance, between
+
+
+def capsule_gap(a: Capsules, b: Capsules) -> tuple[float, Floats]:
+    """Deepest overlap of any bar of a with any of b [m], <= 0 is clear, and b -> a (3,), unit."""
+    overlap, distance, between = overlaps(a, b)
+    i, j = np.unravel_index(int(overlap.argmax()), overlap.shape)
+    gap = float(distance[i, j])
+    way: Floats = between[i, j] / gap if gap > 1e-9 else np.array([1.0, 0.0, 0.0])
+    return float(overlap[i, j]), way

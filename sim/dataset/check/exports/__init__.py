@@ -1,0 +1,1 @@
+"""Checks of the exports against the sequences that they repeat."""

@@ -1,0 +1,1 @@
+"""Checks of the pictures and labels of a frame."""

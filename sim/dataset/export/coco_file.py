@@ -1,0 +1,81 @@
+"""One COCO file, written as it grows, and its run-length masks."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import shutil
+import tempfile
+from collections.abc import Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pjpdaf.errors import BenchError
+
+
+class RunLengths:
+    """pycocotools' masks. Raises BenchError where pycocotools is not installed."""
+
+    def __init__(self) -> None:
+        try:
+            self._library: Any = importlib.import_module("pycocotools.mask")
+        except ImportError as missing:
+            raise BenchError(
+                "COCO's masks need pycocotools, which is not installed: "
+                "install pjpdaf-bench[dataset]."
+            ) from missing
+
+    def __call__(self, masks: NDArray[np.bool_]) -> list[tuple[dict[str, Any], int, list[int]]]:
+        """Compressed column-major runs, area and box of each of n masks (n, h, w)."""
+        columns = np.ascontiguousarray(masks.transpose(0, 2, 1)).view(np.uint8)
+        encoded = self._library.encode(columns.transpose(2, 1, 0))
+        areas, boxes = self._library.area(encoded), self._library.toBbox(encoded)
+        return [
+            (
+                {"size": list(map(int, runs["size"])), "counts": runs["counts"].decode("ascii")},
+                int(area),
+                [int(side) for side in box],
+            )
+            for runs, area, box in zip(encoded, areas, boxes, strict=True)
+        ]
+
+
+class CocoFile:
+    """Writes a file of images and annotations; the annotations wait in a file beside it.
+
+    head: the other fields of the file. Call `finish` after the last record; `stack` closes it.
+    """
+
+    def __init__(self, path: Path, head: Mapping[str, Any], stack: ExitStack) -> None:
+        self._images: IO[str] = stack.enter_context(path.open("w", encoding="ascii"))
+        waiting = tempfile.TemporaryFile("w+", encoding="ascii", dir=path.parent)  # noqa: SIM115
+        self._annotations: IO[str] = stack.enter_context(waiting)
+        self._is_empty = {self._images: True, self._annotations: True}
+        self._images.write(_text(head)[:-1] + ',\n"images":[')
+
+    def add_image(self, record: Mapping[str, Any]) -> None:
+        """Add an image."""
+        self._add(self._images, record)
+
+    def add_annotation(self, record: Mapping[str, Any]) -> None:
+        """Add an annotation."""
+        self._add(self._annotations, record)
+
+    def finish(self) -> None:
+        """Append the annotations to the images."""
+        self._images.write('\n],\n"annotations":[')
+        self._annotations.seek(0)
+        shutil.copyfileobj(self._annotations, self._images)
+        self._images.write("\n]}\n")
+
+    def _add(self, stream: IO[str], record: Mapping[str, Any]) -> None:
+        stream.write(("\n" if self._is_empty[stream] else ",\n") + _text(record))
+        self._is_empty[stream] = False
+
+
+def _text(record: Mapping[str, Any]) -> str:
+    return json.dumps(record, separators=(",", ":"), allow_nan=False)

@@ -1,0 +1,73 @@
+"""conventions.json: the units, axes and meanings of a data set's numbers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pjpdaf.targets import TARGETS
+from sim.dataset.files.layout import DEPTH_UNIT_M, DISPARITY_SCALE, FLOW_SCALE, FLOW_ZERO
+from sim.dataset.labels.records import HIDDEN, KEYPOINTS, NO_SURFACE, OUT_OF_FRAME, SEEN
+from sim.scene.world import CAMERAS, ZFAR_M, ZNEAR_M
+
+
+def conventions() -> dict[str, Any]:
+    """Content of conventions.json: units, axes and the meaning of every number."""
+    return {
+        "units": "metres, seconds, radians, pixels; names end in _m, _mps, _s, _rad, _px",
+        "world": "x from the person towards the cameras, y to the person's left, z up; origin on "
+        "the floor under the mid-shoulder point",
+        "camera": "OpenCV axes: x right, y down, z forward; X_camera = R_cw X_world + t_cw; "
+        "X_right = R X_left + T",
+        "pixel": "(0, 0) is the centre of the top-left pixel",
+        "left_right": "hands are the person's own; cameras are those of the robot that looks at "
+        "the person, so the person's left hand is on the right of the picture",
+        "frames": "frame_index counts from 0; files and MOTChallenge count from 1",
+        "quaternion": "w, x, y, z, part to world",
+        "velocity": "central difference over 10 ms",
+        "targets": "head = skin of face, ears and visible neck; hand = skin of palm, fingers and "
+        "wrist; position = centre of the head, of the palm; surface = mean of the visible skin's "
+        "surface points over both views",
+        "left": "8 bit BGR order on reading with OpenCV, RGB in the file",
+        "depth": {
+            "meaning": "planar z, not range, at the pixel centre",
+            "unit_m": DEPTH_UNIT_M,
+            "invalid": 0,
+            "range_m": [ZNEAR_M, min(ZFAR_M, round(65535 * DEPTH_UNIT_M, 4))],
+        },
+        "seg": "one byte an instance, named in rig.json",
+        "amodal": {"bit_0": "head", "bit_1": "right_hand", "bit_2": "left_hand"},
+        "amodal_meaning": "the target's skin with all other things removed; its own hair, collar "
+        "and cuff still cover it",
+        "visible_fraction": "visible / amodal pixels, both inside the picture",
+        "truncation": "share of the amodal target outside the picture, out to half a picture's "
+        "size beyond each border",
+        "box": "x, y, width, height of the visible skin, 0-based, width = max - min + 1",
+        "keypoints": [f"{TARGETS[target]}:{name}" for target, name in KEYPOINTS],
+        "keypoint_meaning": "a finger tip is the end of its last bone, 6 to 8 mm inside the drawn "
+        "tip",
+        "keypoint_status": {"0": "outside the picture", "1": "occluded", "2": "visible"},
+        "disparity": {
+            "meaning": "x_left - x_right on the pair rectified by R1 R2 P1 P2 of extrinsics.yml",
+            "scale": DISPARITY_SCALE,
+            "invalid": 0,
+        },
+        "occlusion": {
+            str(NO_SURFACE): "no surface, or outside the real picture",
+            str(SEEN): "seen in the other view",
+            str(HIDDEN): "hidden in the other view",
+            str(OUT_OF_FRAME): "outside the other view",
+            "bound": "within 1 px behind an edge, hidden may be called seen",
+        },
+        "correspondence": {
+            "meaning": "where the surface of a pixel lies in the other view's picture; channels of "
+            "the file, 16 bit: dx, dy, status as in occlusion",
+            "scale": FLOW_SCALE,
+            "zero": FLOW_ZERO,
+            "formula": "x_other = x + (channel_0 - zero) / scale, likewise y",
+        },
+        "float": "NPZ of float32: depth_m, and disparity_px and places_px where they are written",
+        "shutter_skew": "the right view's pictures and masks are of its own, later moment; all 3-D "
+        "truth, disparity and correspondence are of the left view's",
+        "time": "time_s: when the frame was taken; stamp_s: what it says",
+        "cameras": list(CAMERAS),
+    }

@@ -1,0 +1,57 @@
+"""Names of a data set's files and folders, and the scales of its 16-bit pictures."""
+
+from __future__ import annotations
+
+import re
+
+KIND = "pjpdaf-bench data set"
+SCHEMA_VERSION = 1
+MANIFEST, CONVENTIONS, CHECKSUMS, CARD = (
+    "manifest.json",
+    "conventions.json",
+    "SHA256SUMS",
+    "README.md",
+)
+TRUTH, OBJECTS, EVENTS, RECIPE, RIG = (
+    "truth.parquet",
+    "objects.parquet",
+    "events.json",
+    "recipe.json",
+    "rig.json",
+)
+CALIBRATION = "calib"  # of a sequence, and of the data set where all sequences have the same
+ERROR_FREE = "error_free"  # below it, where the calibration that is given has errors
+PART = ".part-"  # prefix of the names of unfinished folders
+
+# Labels beside the pictures and the truth; each is one or more folders of a sequence.
+LABELS: dict[str, tuple[str, ...]] = {
+    "clean": ("clean_left", "clean_right"),
+    "depth": ("depth_left", "depth_right"),
+    "seg": ("seg_left", "seg_right"),
+    "amodal": ("amodal_left", "amodal_right"),
+    "disparity": ("disparity_left", "disparity_right", "occlusion_left", "occlusion_right"),
+    "correspondence": ("correspondence_left", "correspondence_right"),
+    "float": ("float_left", "float_right"),
+}
+DEFAULT_LABELS = ("depth", "seg", "amodal", "disparity")
+EXPORTS = ("coco", "mot", "webdataset", "parquet")  # other formats, beside the sequences
+
+DEPTH_UNIT_M = 1e-4
+DISPARITY_SCALE = 256.0
+FLOW_SCALE, FLOW_ZERO = 64.0, 2**15
+_SEQUENCE = re.compile(r"seq_\d{6}")
+
+
+def sequence_name(index: int) -> str:
+    """Name of a sequence's folder; index from 0."""
+    return f"seq_{index:06d}"
+
+
+def is_sequence_name(name: str) -> bool:
+    """Whether a name is that of a sequence's folder, which cannot lead out of the data set."""
+    return _SEQUENCE.fullmatch(name) is not None
+
+
+def picture_name(index: int, suffix: str = ".png") -> str:
+    """Name of a frame's file; index from 0, files are numbered from 1 as in MOTChallenge."""
+    return f"{index + 1:06d}{suffix}"

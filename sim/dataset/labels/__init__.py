@@ -1,0 +1,1 @@
+"""Labels of frames: instances, keypoints, masks, stereo matches, events, and their records."""

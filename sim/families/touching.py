@@ -1,0 +1,55 @@
+"""Hands brought to where they touch, and fingers closed on what they hold."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from pjpdaf.arrays import Floats
+from sim.anatomy import Anatomy
+from sim.contact.arm_shape import hand_capsules
+from sim.contact.capsules import Capsules, capsule_gap
+from sim.motion.bisection import bisect
+from sim.motion.strokes import HandState
+
+
+def hand_bars(anatomy: Anatomy, side: int, state: HandState) -> Capsules:
+    """The capsules of a hand (0 right, 1 left) in this state, world frame."""
+    return hand_capsules(anatomy, side, state.curls).placed(state.position_m, state.rotation)
+
+
+def brought(
+    anatomy: Anatomy, side: int, state: HandState, way: Floats, obstacle: Capsules
+) -> HandState:
+    """Move a hand along a unit vector (3,) until it touches the obstacle.
+
+    It comes from 0.25 m back along the way, so from outside, even if it overlaps now.
+    """
+
+    def touches(way_m: float) -> bool:
+        return capsule_gap(hand_bars(anatomy, side, state.moved(way_m * way)), obstacle)[0] > 0.0
+
+    clear, _ = bisect(-0.25, 0.05, 20, touches)
+    return state.moved(clear * way)
+
+
+def closed(
+    anatomy: Anatomy, side: int, state: HandState, most: Floats, obstacle: Capsules
+) -> HandState:
+    """Curl each finger, up to `most` (5,), until it touches the obstacle."""
+    curls = state.curls.copy()
+    for finger in range(5):
+        first = 4 + 3 * finger  # after the palm's bars, three of each finger
+        for curl in np.linspace(curls[finger], most[finger], 40).tolist():
+            trial = curls.copy()
+            trial[finger] = curl
+            bars = hand_bars(anatomy, side, replace(state, curls=trial))
+            of_finger = slice(first, first + 3)
+            chain = Capsules(
+                bars.starts_m[of_finger], bars.ends_m[of_finger], bars.radii_m[of_finger]
+            )
+            if capsule_gap(chain, obstacle)[0] > 0.0:
+                break
+            curls = trial
+    return replace(state, curls=curls)

@@ -1,0 +1,69 @@
+"""The page of footage: escaped, self-contained, films inside or linked, worked in a browser."""
+
+import base64
+import gzip
+import json
+import re
+
+import pytest
+
+from pjpdaf.camera import StereoRig
+from reports.footage.track_page import FILM_BYTES, TrackInfo, track_page
+from reports.page.templating import write_text
+
+HOSTILE = "</script><b>x{{ 7*7 }}"
+WAITING, TRACKED, LOST = (("waiting",) * 3, ("tracked",) * 3, ("lost", "tracked", "tracked"))
+
+
+@pytest.fixture
+def info(tools):
+    rig = StereoRig(*tools.cameras())
+    provenance = {"argv": ["track", HOSTILE], "versions": {"numpy": "2"}, "commit": None}
+    return lambda **changes: TrackInfo(
+        **{
+            "title": HOSTILE,
+            "complete": False,
+            "film": None,
+            "rig": rig,
+            "sources": [("left", HOSTILE)],
+            "parameters": {"gate": 15.0, "note": HOSTILE},
+            "changed": {"gate": 12.0},
+            "provenance": {**provenance, "cpu": "x", "platform": "y", "dirty": False},
+            **changes,
+        }
+    )
+
+
+def test_it_is_escaped_and_asks_for_nothing(record_of, info):
+    page = track_page(record_of([WAITING, TRACKED, LOST], missing=(1,)), info())
+    assert "<b>x" not in page
+    assert "&lt;/script&gt;&lt;b&gt;x{{ 7*7 }}" in page
+    assert "Incomplete." in page
+    assert "Pictures missing in frame 1;" in page
+    outside = re.sub(r"<script type=[^>]*>[^<]*<", "", page)
+    for attribute in re.findall(r'(?:src|href)="([^"]*)"', outside):
+        assert attribute.startswith(("#", "data:")), attribute[:60]
+    packed = re.search(r'id="figures-packed">([^<]*)<', page)[1]
+    plots = json.loads(gzip.decompress(base64.b64decode(packed)))
+    assert plots.keys() == {"paths-0", "time-0"}
+
+
+def test_a_short_film_is_inside_and_a_long_one_is_linked(record_of, info, tmp_path):
+    record = record_of([TRACKED] * 2)
+    for size, inside in ((10, True), (FILM_BYTES + 1, False)):
+        film = tmp_path / "overlay film.mp4"
+        film.write_bytes(bytes(size))
+        page = track_page(record, info(film=film, complete=True))
+        assert ('src="data:video/mp4;base64,' in page) == inside
+        assert 'href="overlay%20film.mp4"' in page
+        assert "Incomplete." not in page
+
+
+def test_a_browser_draws_the_plots(record_of, info, opened, tmp_path):
+    page = track_page(record_of([WAITING, *[TRACKED] * 6, *[LOST] * 3]), info())
+    path = write_text(tmp_path / "report.html", page)
+    size = {"width": 1200, "height": 900}
+    with opened(path, "html[data-ready=yes]", viewport=size) as view:
+        view.locator("#tracks").scroll_into_view_if_needed()
+        view.wait_for_selector('[data-figure="time-0"] svg')
+        assert view.inner_text("h1") == HOSTILE

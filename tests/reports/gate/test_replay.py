@@ -1,0 +1,19 @@
+"""The command that plays an episode again."""
+
+from reports.gate.replay import replay_command
+
+
+def test_an_episode_is_played_again_as_it_was():
+    request = {"targets": ["core"], "settings": ["noise_sd=5"], "first_seed": 0, "seeds": None}
+    meta = {"preset": "thesis", "detector": "thesis", "tracker": "mine:make", "request": request}
+    assert replay_command(meta, "fps_ladder@5", 3) == (
+        "pjpdaf-bench run core --only fps_ladder@5 --first-seed 3 --seeds 1 "
+        "--tracker mine:make --set noise_sd=5"
+    )
+    meta |= {"preset": "thesis-literal", "detector": "thesis-literal", "tracker": "thesis-literal"}
+    meta["request"] = {**request, "targets": ["my suite.yaml"], "settings": []}
+    assert replay_command(meta, "drink+dim", 0) == (
+        "pjpdaf-bench run 'my suite.yaml' --only drink+dim --first-seed 0 --seeds 1 "
+        "--preset thesis-literal"
+    )
+    assert replay_command({}, "drink", 0) == ""

@@ -1,0 +1,27 @@
+"""The documentation names files that exist."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")])
+OF_TODAY = [page for page in PAGES if page.name != "CHANGELOG.md"]  # that names files of its time
+PACKAGES = "pjpdaf|sim|reports|scenarios|tests|docs|examples"
+
+
+@pytest.mark.parametrize("page", OF_TODAY, ids=lambda page: page.name)
+def test_every_path_in_the_documentation_exists(page):
+    text = page.read_text(encoding="utf-8")
+    paths = re.findall(rf"`((?:{PACKAGES})/[\w./-]*)`", text)
+    missing = [path for path in paths if not (ROOT / path).exists()]
+    assert not missing
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_relative_link_leads_to_a_file(page):
+    links = re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8"))
+    own = [link for link in links if "://" not in link and not link.startswith("mailto:")]
+    missing = [link for link in own if not (page.parent / link).exists()]
+    assert not missing
