@@ -24,8 +24,9 @@ def spread(dt_s: float, weights: tuple[float, ...], deviations_m: tuple[float, .
 def log_likelihood(
     innovation: Floats, S: Floats, weights: tuple[float, ...], variances: Floats
 ) -> Floats:
-    """Log-density (...,) [1/m^3] of innovations (..., 3) with covariances S + variance I, and the
-    modes' own (..., modes).
+    """Log-density (..., modes) [1/m^3] of innovations (..., 3), each mode's weight included.
+
+    S (..., 3, 3) without the motion; variances (modes,) [m^2] of the motion, per axis.
     """
     values, vectors = np.linalg.eigh(S)  # one decomposition serves all modes
     turned = (vectors.swapaxes(-1, -2) @ innovation[..., None])[..., 0]
@@ -43,14 +44,14 @@ def correct(
     dt_s: float,
     weights: tuple[float, ...],
     deviations_m: tuple[float, ...],
-) -> tuple[Floats, Floats, float]:
-    """Predict and update (..., 3), (..., 3, 3) with a sighting: each mode by a Kalman update, then
-    one Gaussian with the mixture's moments. Also the log-density.
+) -> tuple[Floats, Floats]:
+    """Predict and update a mean (3,) and covariance P (3, 3) with a sighting (3,), C (3, 3).
+
+    Each mode by a Kalman update, then one Gaussian with the moments of their mixture.
     """
     variances = steps(dt_s, deviations_m)
     log = log_likelihood(point - mean, P + C, weights, variances)
-    top = log.max()
-    weight = np.exp(log - top)
+    weight = np.exp(log - log.max())
     share = weight / weight.sum()
     means, covariances = [], []
     for variance in variances:
@@ -63,4 +64,4 @@ def correct(
     total = np.einsum("k,kij->ij", share, np.array(covariances)) + np.einsum(
         "k,ki,kj->ij", share, off, off
     )
-    return centre, 0.5 * (total + total.T), float(top + np.log(weight.sum()))
+    return centre, np.asarray(0.5 * (total + total.T))

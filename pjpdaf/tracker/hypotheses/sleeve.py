@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from pjpdaf.detector.silhouette import BACKGROUND, CLOTHED, Silhouette
+from pjpdaf.looks import BACKGROUND, CLOTHED, Silhouette
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.parameters import SleeveParameters
 
@@ -37,7 +37,7 @@ class Body:
 def arm_values(
     shapes: tuple[Silhouette | None, ...], views: Views, body: Body, p: SleeveParameters
 ) -> list[Floats | None]:
-    """Per view what a pixel of an arm there is worth: clothed 1, skin and torso 0, background < 0."""
+    """Worth of an arm's pixel there, per view: clothed 1, skin and torso 0, background below 0."""
     middle = body.shoulders_m.mean(axis=0)
     right, down = body.axes[0], body.axes[1]
     half = 0.5 * np.linalg.norm(body.shoulders_m[1] - body.shoulders_m[0])
@@ -60,9 +60,9 @@ def arm_values(
         if shape is None:
             values.append(None)
             continue
-        value = np.zeros(shape.classes.shape, np.float32)
+        value = np.zeros(shape.classes.shape)
         value[shape.classes == CLOTHED] = 1.0
-        value[shape.classes == BACKGROUND] = -p.background
+        value[shape.classes == BACKGROUND] = -p.bare_background
         torso = np.zeros(shape.classes.shape, np.uint8)
         polygon = np.rint((pixels[view] + 0.5) / shape.step_px - 0.5).astype(np.int32)
         cv2.fillConvexPoly(torso, cv2.convexHull(polygon), 1)
@@ -101,16 +101,15 @@ def arms(hands_m: Floats, body: Body, p: SleeveParameters) -> tuple[Floats, Floa
     outward = from_shoulder @ body.axes[0] * np.array([-1.0, 1.0])[None, :, None]
     upward = -(from_shoulder @ down)
     behind = from_shoulder @ body.axes[2]
-    penalty = p.inward * (
-        np.maximum(-outward, 0.0) * 2 + np.maximum(upward, 0.0) * 2 + np.maximum(behind - 0.3, 0) * 2
-    )
+    turned = np.maximum(-outward, 0.0) + np.maximum(upward, 0.0) + np.maximum(behind - 0.3, 0.0)
+    penalty = 2.0 * p.inward_penalty * turned
     return elbows, penalty, np.maximum(distance - (a + b), 0.0)
 
 
 def arm_scores(
     hands_m: Floats,
     values: list[Floats | None],
-    steps_px: list[int],
+    shapes: tuple[Silhouette | None, ...],
     views: Views,
     body: Body,
     p: SleeveParameters,
@@ -131,20 +130,22 @@ def arm_scores(
     total = np.zeros(penalty.shape)
     count = 0
     for view, value in enumerate(values):
-        if value is None:
+        shape = shapes[view]
+        if value is None or shape is None:
             continue
+        step = shape.step_px
         e = elbow_px[view]
         s = np.broadcast_to(shoulder_px[view][None, :, None], e.shape)
         h = np.broadcast_to(hand_px[view][:, None, None], e.shape)
-        half = 0.5 * p.width_m * views.focal_px[view] / elbow_z[view]  # (n, 2, w)
-        total += _covered(s, e, UPPER, half, value, steps_px[view]) * (6 / 13)
-        total += _covered(e, h, FORE, half, value, steps_px[view]) * (7 / 13)
+        half = 0.5 * p.sleeve_width_m * views.focal_px[view] / elbow_z[view]  # (n, 2, w)
+        total += _covered(s, e, UPPER, half, value, step) * (6 / 13)
+        total += _covered(e, h, FORE, half, value, step) * (7 / 13)
         count += 1
-        if fingers is not None and p.axis > 0:
+        if fingers is not None and p.finger_weight > 0:
             way = h - e
             metre = views.focal_px[view] / elbow_z[view][..., None]
             along = (way / metre / p.forearm_m * fingers[view][:, None, None]).sum(axis=-1)
-            total += p.axis * along
+            total += p.finger_weight * along
     if count == 0:
         return np.zeros((n, 2))
     best: Floats = (total / count - penalty).max(axis=2) - 2.0 * stretch

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
 from pjpdaf.arrays import Floats
@@ -50,8 +51,6 @@ def pieces(pixels: Floats, step_px: float, least: int) -> list[Floats]:
         return []
     cells = np.rint((pixels - pixels.min(axis=0)) / step_px).astype(int)
     size = cells.max(axis=0) + 1
-    import cv2
-
     grid = np.zeros((size[1], size[0]), np.uint8)
     grid[cells[:, 1], cells[:, 0]] = 1
     count, labels = cv2.connectedComponents(grid, connectivity=8)
@@ -77,14 +76,14 @@ def ends(pixels: Floats, length_px: float) -> tuple[Floats, Floats]:
     return np.array(centres), np.array(tips)
 
 
-def settle(pixels: Floats, start: Floats, shape: Floats, scale: float = 1.0) -> tuple[Floats, float]:
+def settle(pixels: Floats, start: Floats, shape: Floats) -> tuple[Floats, float]:
     """Where an ellipse comes to rest on a blob (mean shift), (2,), and the pixels inside it."""
     inverse = np.linalg.inv(shape)
     centre = np.array(start)
     inside = np.zeros(len(pixels), bool)
     for _ in range(5):
         offset = pixels - centre
-        inside = ((offset @ inverse) * offset).sum(axis=1) <= 4.0 * scale * scale
+        inside = ((offset @ inverse) * offset).sum(axis=1) <= 4.0
         if inside.sum() < 8:
             break
         moved = pixels[inside].mean(axis=0)
