@@ -22,7 +22,9 @@ from pjpdaf.tracker.occlusion import OCCLUSION_RULES
 from pjpdaf.tracker.parameters import TrackerParameters
 from pjpdaf.tracker.process import NOISE_GROWTHS
 
-Parameters = TypeVar("Parameters", DetectorParameters, TrackerParameters, HypothesisParameters)
+Parameters = TypeVar(
+    "Parameters", bound=DetectorParameters | TrackerParameters | HypothesisParameters
+)
 
 # Parameter -> word -> variant: the only place where a word becomes an object.
 VARIANTS: Mapping[str, Mapping[str, object]] = {

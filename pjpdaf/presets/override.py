@@ -12,7 +12,6 @@ from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.errors import did_you_mean
 from pjpdaf.presets.flat import VARIANTS, Parameters, flat_names, leaves, replaced
 from pjpdaf.presets.record import Preset
-from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 
 
 def with_values(record: Parameters, values: Mapping[str, object]) -> Parameters:
@@ -51,13 +50,10 @@ def override(preset: Preset, values: Mapping[str, object]) -> Preset:
             known = [field for h in (homes or list(changes)) for field in names[h]]
             raise BadParameter(f"No parameter {key!r}.{did_you_mean(name, known)}")
         changes[home][name] = value
-    tracker = preset.tracker
     return dataclasses.replace(
         preset,
         detector=with_values(preset.detector, changes["detector"]),
-        tracker=with_values(tracker, changes["tracker"])
-        if isinstance(tracker, HypothesisParameters)
-        else with_values(tracker, changes["tracker"]),
+        tracker=with_values(preset.tracker, changes["tracker"]),
     )
 
 

@@ -42,9 +42,10 @@ def learn_scene(session: TrackSession, warn: Callable[[str], None]) -> TrackSess
     given = read_settings(session.request.settings).detector
     values = {key: value for key, value in values.items() if key not in given}
     parameters = with_values(base.parameters, values)
-    taught: Detector = dataclasses.replace(base, parameters=parameters)
+    changed = dataclasses.replace(base, parameters=parameters)
+    taught: Detector = changed
     if isinstance(detector, BlobDetector):
-        taught = dataclasses.replace(detector, base=taught)
+        taught = dataclasses.replace(detector, base=changed)
     named = {f"detector.{key}": value for key, value in values.items()}
     return dataclasses.replace(
         session,

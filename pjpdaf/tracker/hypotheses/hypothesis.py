@@ -70,8 +70,7 @@ def grow(
     # The cost of the less likely side; the likelier costs nothing.
     against_right, against_left = np.maximum(-doubt, 0.0), np.maximum(doubt, 0.0)
     sleeve = against_right[:, None] + against_left[None, :]
-    fade = float(np.exp(-dt_s / p.sleeve.memory_s)) if p.sleeve.memory_s > 0 else 0.0
-    kept = np.array([h.evidence for h in hypotheses]) * fade
+    kept = np.array([h.evidence for h in hypotheses]) * _kept_share(seen.odds, dt_s, p)
     base = np.array([h.cost for h in hypotheses])[:, None, None] + seen.joint[None]
     base = base + each[:, 0, :, None] + each[:, 1, None, :]
     total = base + kept[:, None, None] + sleeve[None]
@@ -103,6 +102,19 @@ def grow(
         replace(h, cost=h.cost - least_cost, evidence=h.evidence - least_evidence) for h in grown
     )
     return after, (right, left)
+
+
+def _kept_share(odds: Floats, dt_s: float, p: HypothesisParameters) -> float:
+    """Share of the evidence of earlier frames that still counts.
+
+    It fades as far as this frame brings evidence of its own, which repeats it; a frame without any
+    leaves what was known.
+    """
+    s = p.sleeve
+    if not len(odds) or s.sleeve_clip <= 0:
+        return 1.0
+    fade = float(np.exp(-dt_s / s.memory_s)) if s.memory_s > 0 else 0.0
+    return 1.0 - (1.0 - fade) * min(float(np.abs(odds).max()) / s.sleeve_clip, 1.0)
 
 
 def _alone(

@@ -24,7 +24,7 @@ USUAL_DEPTH_M = 1.2
 APART_M = 0.12  # hands nearer to each other may be two pieces of one arm
 REACH_M = 0.85  # from the head
 BEHIND_M = 0.2  # the head
-WRONG_SIDE = 2.0  # cost of a right hand on the left of the left hand
+WRONG_SIDE = 3.0  # cost of a right hand on the left of the left hand
 LARGEST_COST = 8.0
 HEAD_SD_M = 0.02
 
