@@ -41,9 +41,8 @@ def test_information_is_that_of_the_full_noise_matrix():
     R = np.kron(np.full((2, 2), 2.5**2) + np.eye(2) * 0.7**2, np.eye(2))
     for slope, information in zip(H, found, strict=True):
         stacked = slope.reshape(4, 3)
-        np.testing.assert_allclose(
-            information, stacked.T @ np.linalg.solve(R, stacked), rtol=1e-9, atol=1e-9
-        )
+        expected = stacked.T @ np.linalg.solve(R, stacked)
+        np.testing.assert_allclose(information, expected, rtol=1e-9, atol=1e-9)
 
 
 def test_common_error_says_nothing_against_the_depth():
