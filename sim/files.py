@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, and what is said where a disk refuses them."""
+"""Files that appear whole or not at all, and the messages for a disk that refuses to write."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _REMEDIES = {
 
 
 def write_fault(path: Path, what: str, error: OSError) -> BenchError:
-    """The one line for a disk that refused to write `what` to `path`.
+    """The fault, in one line, of a disk that refused to write `what` to `path`.
 
     InfrastructureError (exit code 5) where the disk or the user's share of it is full, else
     BenchError (exit code 2).
@@ -38,12 +38,12 @@ def write_fault(path: Path, what: str, error: OSError) -> BenchError:
     reason = os.strerror(number) if number else " ".join(str(error).split()).rstrip(".")
     remedy = _REMEDIES.get(number or 0, "")
     kind = InfrastructureError if number in FULL else BenchError
-    return kind(f"{_final(path)}: cannot write {what}: {reason}.{remedy}")
+    return kind(f"{_final_path(path)}: cannot write {what}: {reason}.{remedy}")
 
 
 @contextmanager
 def disk_faults(path: Path, what: str) -> Iterator[None]:
-    """Any OSError inside becomes the fault that says so (`write_fault`)."""
+    """Turn any OSError inside into the fault of `write_fault`."""
     try:
         yield
     except OSError as error:
@@ -52,7 +52,7 @@ def disk_faults(path: Path, what: str) -> Iterator[None]:
 
 @contextmanager
 def written_whole_file(path: Path, what: str, *, replace: bool = False) -> Iterator[Path]:
-    """A path of the same name to write to, in a temporary folder; at the end it becomes `path`.
+    """A path to write to, in a temporary folder; at the end of the block it becomes `path`.
 
     An exception inside removes it. Raises BenchError where `path` is a folder, exists (unless
     `replace`), or cannot be written.
@@ -73,10 +73,10 @@ def written_whole_file(path: Path, what: str, *, replace: bool = False) -> Itera
 
 
 def part_folder(path: Path) -> Path:
-    """A new hidden folder beside `path`, on the same disk, in which it is made. Raises OSError."""
+    """Make a hidden folder beside `path`, on the same disk, to write into. Raises OSError."""
     return Path(tempfile.mkdtemp(prefix=f".{path.name}.part-", dir=path.parent))
 
 
-def _final(path: Path) -> Path:
-    """Where a file is to lie that is still in a part folder; nobody else knows that folder."""
+def _final_path(path: Path) -> Path:
+    """The final path of a file in a part folder: messages do not name part folders."""
     return Path(re.sub(r"/\.([^/]+)\.part-\w+(?:/\1(?=/|$))?", r"/\1", str(path)))

@@ -1,4 +1,4 @@
-"""Poses: where every moving part of the scene is at one moment."""
+"""Poses: the places of all moving parts of the scene at a moment."""
 
 from __future__ import annotations
 

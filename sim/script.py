@@ -1,4 +1,4 @@
-"""What a sequence plays: poses as functions of continuous time."""
+"""Scripts and performances: poses as functions of continuous time."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ class Script(Protocol):
         ...
 
     def events(self, t_s: float) -> tuple[str, ...]:
-        """Names of what is happening at t_s (for the truth's event labels)."""
+        """Names of the events at t_s (for the truth's event labels)."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class Performance:
-    """One concrete sequence: scene, motion, frame times and the seed of its noise.
+    """A concrete sequence: scene, motion, frame times and the seed of its noise.
 
     learnt: places of objects while the background is learnt, where they differ from t = 0.
     redrawn: how many draws of this seed were thrown away because they could not be posed.

@@ -1,4 +1,4 @@
-"""What a simulated sequence is made of: plain frozen records, everything in SI units."""
+"""Specifications of a simulated sequence: plain frozen records, everything in SI units."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ STAMPS = ("actual", "nominal")  # times that frames carry
 
 @dataclass(frozen=True)
 class Appearance:
-    """How the person looks."""
+    """The appearance of the person."""
 
     skin_rgb: RGB = (0.84, 0.58, 0.45)
     hair_rgb: RGB = (0.16, 0.10, 0.07)
     shirt_rgb: RGB = (0.15, 0.22, 0.52)
-    sleeves: str = "long"  # one of sim.person.body.SLEEVES
+    sleeves: str = "long"  # one of sim.person.sleeves.SLEEVES
     beard: bool = False
     glasses: bool = False
     hair: str = "short"  # one of sim.person.head.HAIR
@@ -28,7 +28,7 @@ class Appearance:
 
 @dataclass(frozen=True)
 class ObjectSpec:
-    """A thing: kind is one of sim.scene.objects.KINDS; (x, y) of its base's centre, z up.
+    """An object: kind is one of sim.scene.objects.KINDS; (x, y) of its base's centre, z up.
 
     base_m: height of its base above the floor, None = it stands on the table.
     """
@@ -62,7 +62,7 @@ class RoomSpec:
 
 @dataclass(frozen=True)
 class RigSpec:
-    """Two cameras on one head, looking at the person (thesis: wide-field cameras, 640 x 480).
+    """Two cameras on a common head that face the person (thesis: wide-field cameras, 640 x 480).
 
     distortion: OpenCV's coefficients k1, k2, p1, p2, ... of both lenses, empty for none. Raises
     ValueError for numbers that no rig has.
@@ -90,7 +90,7 @@ class RigSpec:
 
 @dataclass(frozen=True)
 class SensorSpec:
-    """What a real camera does to a picture, in the order in which it does it.
+    """Effects of a real camera on a picture, in the order in which they arise.
 
     Light is linear until the picture is encoded; `sim.camera.sensor` has the formulas. Raises
     ValueError for numbers that no camera has.
@@ -119,7 +119,7 @@ class SensorSpec:
 
 @dataclass(frozen=True)
 class ClockSpec:
-    """When pictures are taken, and which arrive. Raises ValueError for what no clock does."""
+    """When pictures are taken, and which arrive. Raises ValueError for impossible numbers."""
 
     jitter_s: float = 0.0  # pictures are taken up to this much before or after their time
     stamps: str = "actual"  # frames carry when they were taken; "nominal": when they should be
@@ -139,7 +139,7 @@ class CalibrationError:
 
     The left camera keeps its place. baseline: share by which the distance is overstated; focal:
     likewise of both focal lengths; rotation_rad: of the right camera about its own x, y, z, as one
-    rotation vector. Raises ValueError for what leaves no rig.
+    rotation vector. Raises ValueError for numbers that leave no rig.
     """
 
     baseline: float = 0.0

@@ -115,7 +115,7 @@ def present(points_m: Floats) -> Bools:
 
 
 def distances(truths_m: Floats, estimates_m: Floats) -> Floats:
-    """Distance (F, T, K) [m] of truths (F, T, 3), estimates (F, K, 3); NaN for missing ones."""
+    """Distance (F, T, K) [m] of truths (F, T, 3) to estimates (F, K, 3), NaN without either."""
     return np.asarray(np.linalg.norm(truths_m[:, :, None] - estimates_m[:, None], axis=-1))
 
 

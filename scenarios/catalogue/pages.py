@@ -120,7 +120,7 @@ def _catalogue(
 
 
 def _write(path: Path, content: bytes) -> Path:
-    what = "the catalogue"
-    with written_whole_file(path, what, replace=True) as part, disk_faults(path, what):
+    kind = "the catalogue"
+    with written_whole_file(path, kind, replace=True) as part, disk_faults(path, kind):
         part.write_bytes(content)
     return path

@@ -44,9 +44,9 @@ def draw_scenarios(scenarios: Sequence[Scenario], workers: int) -> list[Scenario
     with progress_bar(console) as progress, WorkerPool(min(workers, len(scenarios))) as pool:
         task = progress.add_task("starting", total=len(scenarios))
         pool.renderer()
-        for found in pool.outcomes(_draw_or_fault, dict(enumerate(scenarios)), TIME_LIMIT_S):
-            if found is not None:
-                index, outcome = found
+        for ended in pool.outcomes(_draw_or_fault, dict(enumerate(scenarios)), TIME_LIMIT_S):
+            if ended is not None:
+                index, outcome = ended
                 pictures[index] = _unpack(scenarios[index], outcome)
                 progress.update(task, advance=1, description=scenarios[index].name)
     return [pictures[index] for index in range(len(scenarios))]

@@ -123,7 +123,7 @@ def frame_times(performance: Performance) -> list[float]:
 
 
 def performer_of(script: Script) -> Performer:
-    """The performer of a script, without what moves beside it."""
+    """The performer of a script, without the movers beside it."""
     while isinstance(script, WithExtras):
         script = script.script
     if not isinstance(script, Performer):

@@ -137,7 +137,7 @@ def verify(
     ] = 4,
     jobs: Jobs = None,
 ) -> None:
-    """Is a data set what it says it is? Every fault is a line with its file; exit code 1 then.
+    """Check a data set: every fault is a line with its file; exit code 1 then.
 
     Checksums, both eyes, masks, boxes, depth, disparity, calibration and exports against each
     other and against the 3-D truth; depth and ids against rays.

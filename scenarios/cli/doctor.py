@@ -6,13 +6,13 @@ import typer
 
 
 def doctor() -> None:
-    """Say whether this machine can run everything, and what to install where it cannot."""
-    from scenarios.cli.machine import examine
+    """Check whether this machine can run everything, and name the remedy where it cannot."""
+    from scenarios.cli.machine import examine_machine
 
-    findings = examine()
+    findings = examine_machine()
     for finding in findings:
         mark = "ok  " if finding.good else "FAIL"
-        typer.echo(f"{mark} {finding.what}: {finding.found}")
+        typer.echo(f"{mark} {finding.component}: {finding.state}")
         if finding.remedy:
             typer.echo(f"     -> {finding.remedy}")
     if not all(finding.good for finding in findings):

@@ -105,7 +105,7 @@ def calibrate(
 ) -> None:
     """Calibrate two cameras from pictures of a chessboard or ChArUco board.
 
-    Writes intrinsics.yml and extrinsics.yml as OpenCV's stereo sample does, the corners found, and
+    Writes intrinsics.yml and extrinsics.yml as OpenCV's stereo sample does, the corners, and
     a rectified pair.
     """
     from scenarios.footage.calibrate import CalibrateRequest

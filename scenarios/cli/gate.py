@@ -59,7 +59,7 @@ def baseline(
     out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder of the slim copy.")],
     replace: Annotated[bool, typer.Option("--replace", help="A run may lie there.")] = False,
 ) -> None:
-    """Keep of a saved run only what `compare` needs, small enough for git."""
+    """Copy only the part of a saved run that `compare` needs, small enough for git."""
     from reports.run.load import load
     from reports.run.save import save_slim
 

@@ -1,4 +1,4 @@
-"""What this machine has, and what is missing."""
+"""What the verb `doctor` examines: Python, packages, OpenGL, the self-test."""
 
 from __future__ import annotations
 
@@ -23,24 +23,24 @@ PACKAGES = (
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at; remedy is empty where nothing needs doing."""
+    """The state of a component; remedy is empty where it is good."""
 
-    what: str
+    component: str
     good: bool
-    found: str
+    state: str
     remedy: str = ""
 
 
-def examine() -> list[Finding]:
-    """Python, packages, OpenGL and the self-test of the geometry."""
+def examine_machine() -> list[Finding]:
+    """Examine Python, packages, OpenGL and the geometry of a rendered picture."""
     return [_python(), *(_package(name) for name in PACKAGES), _one_opencv(), *_rendering()]
 
 
 def _python() -> Finding:
     good = sys.version_info >= (3, 11)
     remedy = "" if good else "install Python 3.11 or newer"
-    found = f"{platform.python_version()} on {platform.platform()}, {os.cpu_count()} cores"
-    return Finding("Python", good, found, remedy)
+    state = f"{platform.python_version()} on {platform.platform()}, {os.cpu_count()} cores"
+    return Finding("Python", good, state, remedy)
 
 
 def _package(name: str) -> Finding:
@@ -75,8 +75,8 @@ def _rendering() -> list[Finding]:
     try:
         renderer = check_renderer()
     except BenchError as fault:
-        what, _, remedy = str(fault).partition("; ")
-        return [setting, Finding("offscreen OpenGL", False, what, remedy)]
+        cause, _, remedy = str(fault).partition("; ")
+        return [setting, Finding("offscreen OpenGL", False, cause, remedy)]
     return [
         setting,
         Finding("offscreen OpenGL", True, renderer),

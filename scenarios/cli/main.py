@@ -1,6 +1,6 @@
 """The command line: the verbs in the order of `--help`; faults become one line and an exit code.
 
-Each verb parses, calls one function and prints; what is heavy to import is imported by the verb.
+Each verb parses, calls one function and prints; heavy modules are imported inside the verb.
 """
 
 from __future__ import annotations

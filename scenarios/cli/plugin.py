@@ -15,15 +15,15 @@ def check(
     kind: Annotated[str, typer.Option(help="tracker or detector.")] = "tracker",
     limit: Annotated[float, typer.Option(help="How long one call may take [s].")] = 10.0,
 ) -> None:
-    """Say what is wrong with a tracker or detector of your own, a line each; exit code 1 then."""
+    """Check a tracker or detector of your own: every fault is a line; exit code 1 then."""
     from pjpdaf.plugins.conformance import LONGEST_LIMIT_S, check_named
     from scenarios.execute.isolated import Ended, allow_plug_ins_from_here, isolated
 
     allow_plug_ins_from_here(name)
     try:
-        # A call has a limit of its own; the whole has one for what hangs between the calls.
-        what = f"{kind} {name!r}"
-        faults = isolated(what, LONGEST_LIMIT_S, check_named, kind, name, limit)
+        # The limit of the whole ends a plug-in that hangs between its calls.
+        plug_in = f"{kind} {name!r}"
+        faults = isolated(plug_in, LONGEST_LIMIT_S, check_named, kind, name, limit)
     except Ended as end:
         faults = (str(end),)
     for fault in faults:

@@ -34,7 +34,7 @@ def run(
     first_seed: Annotated[int, typer.Option(help="Where the seeds start.")] = 0,
     only: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="Only this of what is named; as in the table."),
+        typer.Option(metavar="NAME", help="Only this scenario of those named, as in the table."),
     ] = None,
     slim: Annotated[
         bool, typer.Option("--slim", help="Keep only what `compare` needs: no frames, no page.")

@@ -1,4 +1,4 @@
-"""The folder of a data set while it is made: locks, leftovers, what it may hold already."""
+"""The folder of a data set while it is made: locks, leftovers, older content."""
 
 from __future__ import annotations
 

@@ -50,9 +50,9 @@ def make_sequences(
     the first that fails; the others are ended then.
     """
     written: list[Written] = []
-    for found in pool.outcomes(_make_sequence, tasks, TIME_LIMIT_S):
-        if found is not None:
-            index, outcome = found
+    for ended in pool.outcomes(_make_sequence, tasks, TIME_LIMIT_S):
+        if ended is not None:
+            index, outcome = ended
             written.append(_written(tasks[index], outcome))
         on_poll(len(written), sum(sequence.bytes for sequence in written))
     return written
@@ -72,10 +72,10 @@ def _make_sequence(task: SequenceTask) -> Written | BenchError:
                 written = write_recipe(task.recipe, part)
                 part.rename(task.final)
         return written
+    except Unposable as fault:  # a BenchError, too
+        return BenchError(f"{task.final.name}: cannot be posed: {fault}; leave out this seed")
     except BenchError as fault:
         return fault
-    except Unposable as fault:
-        return BenchError(f"{task.final.name}: cannot be posed: {fault}; leave out this seed")
     except Exception as fault:
         return InfrastructureError(f"{task.final.name}: {describe_exception(fault)}")
     finally:

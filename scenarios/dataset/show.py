@@ -31,9 +31,9 @@ ROW_FRAMES, ALONE_ROWS = 2, 6  # frames of a row; rows of a sequence that is sho
 
 @dataclass(frozen=True)
 class ShowDatasetRequest:
-    """What the command line asked for; None = not given.
+    """The options of `dataset show`; None = not given.
 
-    out: a folder for both, or a file that ends in .png (the sheet) or .html (the page).
+    out: a folder for sheet and page, or a file that ends in .png (the sheet) or .html (the page).
     """
 
     folder: Path
@@ -43,11 +43,11 @@ class ShowDatasetRequest:
 
 
 def show_dataset(request: ShowDatasetRequest) -> str:
-    """Write what was asked for; what was written, in words. Without `out` and `rerun`: sheet and
-    page in a new folder NAME-show here.
+    """Write sheet, page or recording; returns a line for each file.
 
-    Raises BenchError for what cannot be shown or written, InfrastructureError where the disk is
-    full or Rerun is not installed, Interrupted.
+    Without `out` and `rerun`: sheet and page in a new folder NAME-show here. Raises BenchError for
+    a data set that cannot be shown or a file that cannot be written, InfrastructureError where the
+    disk is full or Rerun is not installed, Interrupted.
     """
     dataset = open_dataset(request.folder)
     sequences = _sequences(dataset, request.sequence)
@@ -55,19 +55,19 @@ def show_dataset(request: ShowDatasetRequest) -> str:
     for path in (sheet, page, request.rerun):
         _check_place(path, dataset)
     first = next(path for path in (sheet, page, request.rerun) if path is not None)
-    said = []
+    lines = []
     with unwritten_if_interrupted(first):
         if request.rerun is not None:  # first: whether Rerun is there shows at once
             write_dataset_rerun(dataset, sequences, request.rerun)
-            said.append(f"recording: {request.rerun} ({count(len(sequences), 'sequence')})")
+            lines.append(f"recording: {request.rerun} ({count(len(sequences), 'sequence')})")
         if sheet is not None and page is not None:
             with disk_faults(sheet.parent, "sheet and page"):
                 sheet.parent.mkdir(exist_ok=True)
         if sheet is not None:
-            said.append(_write_sheet(sequences, sheet, alone=request.sequence is not None))
+            lines.append(_write_sheet(sequences, sheet, alone=request.sequence is not None))
         if page is not None:
-            said.append(_write_page(dataset, sequences, page))
-    return "\n".join(said)
+            lines.append(_write_page(dataset, sequences, page))
+    return "\n".join(lines)
 
 
 def _sequences(dataset: Dataset, number: int | None) -> tuple[StoredSequence, ...]:
@@ -75,7 +75,7 @@ def _sequences(dataset: Dataset, number: int | None) -> tuple[StoredSequence, ..
         raise BenchError(f"{dataset.folder}: has no finished sequence; there is nothing to show.")
     if number is None:
         return dataset.sequences
-    named = {int(one.name.removeprefix("seq_")): one for one in dataset.sequences}
+    named = {int(s.name.removeprefix("seq_")): s for s in dataset.sequences}
     if number not in named:
         raise BenchError(
             f"--sequence {number}: the data set has {min(named)} to {max(named)}"
@@ -85,7 +85,7 @@ def _sequences(dataset: Dataset, number: int | None) -> tuple[StoredSequence, ..
 
 
 def _places(request: ShowDatasetRequest) -> tuple[Path | None, Path | None]:
-    """Where sheet and page are to lie, None for one that is not wanted."""
+    """The paths of sheet and page, None for a file that is not asked for."""
     out = request.out
     if out is None:
         if request.rerun is not None:
@@ -100,7 +100,7 @@ def _places(request: ShowDatasetRequest) -> tuple[Path | None, Path | None]:
 
 
 def _check_place(path: Path | None, dataset: Dataset) -> None:
-    """What takes minutes is not begun for a place that it cannot be written to."""
+    """Raise BenchError, before minutes of work, for a file that must not be written."""
     if path is None:
         return
     if path.resolve().is_relative_to(dataset.folder.resolve()):
@@ -112,22 +112,22 @@ def _check_place(path: Path | None, dataset: Dataset) -> None:
 def _write_sheet(sequences: Sequence[StoredSequence], path: Path, alone: bool) -> str:
     rows: list[tuple[StoredSequence, list[int]]]
     if alone:
-        (one,) = sequences
-        chosen = representative_frames(one.truths, ROW_FRAMES * ALONE_ROWS)
+        (sequence,) = sequences
+        chosen = representative_frames(sequence.truths, ROW_FRAMES * ALONE_ROWS)
         starts = range(0, len(chosen), ROW_FRAMES)
-        rows = [(one, chosen[start : start + ROW_FRAMES]) for start in starts]
+        rows = [(sequence, chosen[start : start + ROW_FRAMES]) for start in starts]
     else:
         places = np.linspace(0, len(sequences) - 1, min(MOST_ROWS, len(sequences)))
         picked = [sequences[i] for i in places.round().astype(int).tolist()]
-        rows = [(one, representative_frames(one.truths, ROW_FRAMES)) for one in picked]
+        rows = [(s, representative_frames(s.truths, ROW_FRAMES)) for s in picked]
     with written_whole_file(path, "the sheet") as part, disk_faults(path, "the sheet"):
         part.write_bytes(png_of(dataset_sheet(rows)))
-    shown = len({one.name for one, _ in rows})
+    shown = len({sequence.name for sequence, _ in rows})
     return f"sheet: {path} ({_share(shown, len(sequences))})"
 
 
 def _write_page(dataset: Dataset, sequences: Sequence[StoredSequence], path: Path) -> str:
-    frames = sum(one.frame_count for one in sequences)
+    frames = sum(sequence.frame_count for sequence in sequences)
     with progress_bar(Console(stderr=True)) as progress:
         task = progress.add_task("page", total=frames)
         shown = sequence_views(sequences, on_frame=lambda: progress.advance(task))
@@ -139,16 +139,16 @@ def _write_page(dataset: Dataset, sequences: Sequence[StoredSequence], path: Pat
     with written_whole_file(path, "the page") as part, disk_faults(path, "the page"):
         part.write_text(text, encoding="utf-8")
     size = path.stat().st_size / 1e6
-    return f"page: {path} ({_shown_words(shown, sequences)}, {size:.1f} MB)"
+    return f"page: {path} ({_extent(shown, sequences)}, {size:.1f} MB)"
 
 
-def _shown_words(shown: Sequence[SequenceView], sequences: Sequence[StoredSequence]) -> str:
-    words = _share(len(shown), len(sequences))
+def _extent(shown: Sequence[SequenceView], sequences: Sequence[StoredSequence]) -> str:
+    extent = _share(len(shown), len(sequences))
     if shown[-1].frames < shown[-1].sequence.frame_count:
-        words += f", {shown[-1].frames} of {shown[-1].sequence.frame_count} frames of it"
-    return words
+        extent += f", {shown[-1].frames} of {shown[-1].sequence.frame_count} frames of it"
+    return extent
 
 
-def _share(shown: int, all_of_them: int) -> str:
-    of_all = "" if shown == all_of_them else f" of {all_of_them}"
-    return f"{shown}{of_all} sequence{'' if all_of_them == 1 else 's'}"
+def _share(shown: int, total: int) -> str:
+    of_all = "" if shown == total else f" of {total}"
+    return f"{shown}{of_all} sequence{'' if total == 1 else 's'}"

@@ -32,7 +32,7 @@ class PlayResults:
 
 
 def _play_safely(job: Job) -> EpisodeRows | BenchError:
-    """`play`, with what a user can put right returned, and any other fault as a failed episode."""
+    """The rows of a played job: of a failed episode where it raises; a BenchError is returned."""
     try:
         return rows_of(play_complete(job))
     except Unposable as fault:

@@ -161,7 +161,7 @@ def _first_size(request: TrackRequest) -> tuple[int, int]:
     """Width and height of the left view's first readable picture."""
     if request.left.resolve() == request.right.resolve():
         raise BenchError(f"--left and --right are the same: {request.left}")
-    # Opens both: a wrong path, an empty folder or unlike lengths are found before anything else.
+    # Opens both: a wrong path, an empty folder or unlike lengths are reported before anything else.
     for pair in picture_pairs(request.left, request.right):
         picture = pair.pictures[0]
         if picture is not None:

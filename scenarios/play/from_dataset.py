@@ -73,13 +73,13 @@ def check_once(dataset: Dataset, episodes: Iterable[tuple[str, int]]) -> None:
     for name, seed in episodes:
         if (name, seed) in seen:
             raise BenchError(
-                f"{dataset.folder}: has {name} seed {seed} twice; results are told apart by these."
+                f"{dataset.folder}: has {name} seed {seed} twice; results have each pair once."
             )
         seen.add((name, seed))
 
 
 def renderer_of(dataset: Dataset) -> str:
-    """What rendered its pictures, "" where it does not say."""
+    """Description of the renderer of its pictures, "" where the manifest has none."""
     made_with = dataset.manifest.get("made_with")
     renderer = made_with.get("renderer") if isinstance(made_with, dict) else None
     return renderer[:300] if isinstance(renderer, str) else ""

@@ -15,7 +15,7 @@ from sim.motion.stage import Value
 
 @dataclass(frozen=True)
 class System:
-    """What is under test: detector and tracker by name, and changed parameters of each."""
+    """The system under test: names of detector and tracker, and changed parameters of each."""
 
     detector: str = "thesis"
     tracker: str = "thesis"
@@ -25,13 +25,13 @@ class System:
 
 @dataclass(frozen=True)
 class Job:
-    """One episode to play: a pure function of (scenario, seed, overrides, system).
+    """An episode to play: a pure function of scenario, seed, overrides and system.
 
-    keep_pictures: of some frames; keep_film: small and plain, of all frames.
-    label: its name in the results, where that is not the scenario's. kept: the folder of a data
-    set's sequence that is read instead of rendering the episode; size_px: width and height of its
-    pictures, where they are not the scenario's. Files among the overrides are
-    found when the job is made: raises BenchError where that fails.
+    keep_pictures: keep overlay pictures of some frames; keep_film: keep small plain pictures of
+    all frames. label: its name in the results, "" for the scenario's; kept: folder of a data set's
+    sequence that is read instead of rendering; size_px: width and height of its pictures, None for
+    the scenario's. Files among the overrides are read when the job is made, and raise BenchError
+    where that fails.
     """
 
     scenario: Scenario
@@ -45,25 +45,24 @@ class Job:
     size_px: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
-        found = dict(self.overrides)
+        checked = dict(self.overrides)
         for name, value in self.overrides.items():
             parameter = self.scenario.parameters.get(name)
             if isinstance(parameter, File):
-                found[name] = parameter.check(name, value)
-        object.__setattr__(self, "overrides", found)
+                checked[name] = parameter.check(name, value)
+        object.__setattr__(self, "overrides", checked)
 
     @property
     def name(self) -> str:
-        """What the results call it."""
+        """Its name in the results."""
         return self.label or self.scenario.name
 
 
 def digest_of(job: Job) -> str:
-    """SHA-256 of an episode: scenario, seed, changed values, what is in its files, its size.
+    """SHA-256 of an episode: scenario, seed, overrides, content of its files, size of its pictures.
 
-    Same digest, same pictures.
-
-    The system under test is not part of it, so that runs of two trackers can be paired.
+    The same digest means the same pictures. The system under test is not part of it, so that runs
+    of two trackers can be paired.
     """
     changes = json.dumps(contents(job.overrides), sort_keys=True)
     words = [digest(job.scenario), str(job.seed), changes]

@@ -1,4 +1,4 @@
-"""The ladder from clean to real: the same poses, each rung with one more thing that cameras do."""
+"""The ladder from clean to real: the same poses, each rung with one more effect of real cameras."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import replace
 from pjpdaf.errors import BenchError
 from scenarios.play.job import Job
 
-# What each rung sets beside what the rungs before it set. The first takes all of it away.
+# Values that each rung sets in addition to the rungs before it. The first removes all effects.
 _CLEAN: Mapping[str, float] = {
     "noise_sd": 0.0,
     "shot_noise": 0.0,
@@ -34,7 +34,7 @@ RUNGS = tuple(STEPS)
 
 
 def rungs_of(job: Job) -> dict[str, Job]:
-    """The job once a rung, by the rung's name; its motion, seeds and labels' poses are the same.
+    """The job at each rung, by the rung's name; motion, seeds and the poses in labels are the same.
 
     Pixel labels are the same bytes in clean, noise and blur, and in lens and shift. Raises
     BenchError where the job sets what the ladder sets.
@@ -42,9 +42,9 @@ def rungs_of(job: Job) -> dict[str, Job]:
     taken = sorted(set(job.overrides) & set(_CLEAN))
     if taken:
         raise BenchError(f"{job.name}: the ladder sets {', '.join(taken)}; leave them out")
-    found, changes = {}, dict[str, float]()
+    rungs, changes = {}, dict[str, float]()
     for rung, step in STEPS.items():
         changes |= step
         overrides = {**job.overrides, **changes}
-        found[rung] = replace(job, overrides=overrides, label=f"{job.name}+{rung}")
-    return found
+        rungs[rung] = replace(job, overrides=overrides, label=f"{job.name}+{rung}")
+    return rungs

@@ -1,4 +1,4 @@
-"""The lock of the shipped suites: what exactly `core@1` plays, by digest.
+"""The lock of the shipped suites: digests of all that a version such as `core@1` plays.
 
 `python -m scenarios.play.suite_lock` brings `suites/lock.json` up to date. A locked version never
 changes: results that carry its name stay comparable.
@@ -31,12 +31,12 @@ Lock = Mapping[str, Mapping[str, Any]]
 
 
 def suite_record(suite: Suite) -> dict[str, Any]:
-    """What a suite is, for run.json and the lock.
+    """The record of a suite in run.json and in the lock.
 
-    name, version, digest; metrics_version; entries: label -> 'scenario@version xSEEDS digest', in
-    order. The digest is of the entries' digests, the metrics and the crash policy.
+    Keys: name, version, digest; metrics_version; entries: label -> 'scenario@version xSEEDS
+    digest', in order. The digest is of the entries' digests, the metrics and the crash policy.
     """
-    entries = {part.label: _entry_record(part) for part in expand_suite(suite)}
+    entries = {planned.label: _entry_record(planned) for planned in expand_suite(suite)}
     whole = [list(entries.items()), METRICS_VERSION, CRASH_POLICY]
     return {
         "name": suite.name,
@@ -47,40 +47,40 @@ def suite_record(suite: Suite) -> dict[str, Any]:
     }
 
 
-def _entry_record(part: PlannedScenario) -> str:
-    digests = [digest_of(part.job(seed)) for seed in range(part.seeds)]
+def _entry_record(planned: PlannedScenario) -> str:
+    digests = [digest_of(planned.job(seed)) for seed in range(planned.seeds)]
     digest = hashlib.sha256("\n".join(digests).encode()).hexdigest()
-    return f"{part.scenario.name}@{part.scenario.version} x{part.seeds} {digest}"
+    return f"{planned.scenario.name}@{planned.scenario.version} x{planned.seeds} {digest}"
 
 
 def shipped_records() -> dict[str, dict[str, Any]]:
-    """name@version -> stamp of all shipped suites."""
-    stamps = [suite_record(load_suite(name)) for name in suite_names()]
-    return {f"{one['name']}@{one['version']}": one for one in stamps}
+    """name@version -> record, of all shipped suites."""
+    records = [suite_record(load_suite(name)) for name in suite_names()]
+    return {f"{record['name']}@{record['version']}": record for record in records}
 
 
 def read_lock() -> Lock:
     """The shipped lock; empty where there is none yet."""
     file = files("scenarios") / "suites" / "lock.json"
-    found: Lock = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
-    return found
+    lock: Lock = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    return lock
 
 
-def faults(lock: Lock, stamps: Lock) -> list[str]:
-    """Where suites are not what the lock says, a line each that says what to do."""
-    found = []
-    for name, now in stamps.items():
+def faults(lock: Lock, records: Lock) -> list[str]:
+    """The suites that differ from the lock: a line for each, with its remedy."""
+    lines = []
+    for name, now in records.items():
         locked = lock.get(name)
         if locked is None:
-            found.append(f"{name} is not locked: run `{COMMAND}` and commit {FILE}")
+            lines.append(f"{name} is not locked: run `{COMMAND}` and commit {FILE}")
         elif locked["entries"] != now["entries"]:
-            found.append(_what_changed(name, locked, now))
+            lines.append(_what_changed(name, locked, now))
         elif locked["digest"] != now["digest"]:
-            found.append(
+            lines.append(
                 f"{name} was locked with metrics version {locked['metrics_version']}, now it is "
                 f"{now['metrics_version']}: run `{COMMAND}` and commit {FILE}"
             )
-    return found
+    return lines
 
 
 def _what_changed(name: str, locked: Mapping[str, Any], now: Mapping[str, Any]) -> str:
@@ -105,18 +105,20 @@ def _what_changed(name: str, locked: Mapping[str, Any], now: Mapping[str, Any]) 
     )
 
 
-def updated_lock(lock: Lock, stamps: Lock, *, replace: bool = False) -> dict[str, Any]:
+def updated_lock(lock: Lock, records: Lock, *, replace: bool = False) -> dict[str, Any]:
     """The lock with all suites of today; older versions stay.
 
     Raises BenchError where a locked version has changed, unless `replace`: for a version of which
     nobody has results yet.
     """
     changed = [
-        name for name in stamps if name in lock and lock[name]["entries"] != stamps[name]["entries"]
+        name
+        for name in records
+        if name in lock and lock[name]["entries"] != records[name]["entries"]
     ]
     if changed and not replace:
-        raise BenchError(_what_changed(changed[0], lock[changed[0]], stamps[changed[0]]))
-    return {name: dict(one) for name, one in sorted({**lock, **stamps}.items())}
+        raise BenchError(_what_changed(changed[0], lock[changed[0]], records[changed[0]]))
+    return {name: dict(one) for name, one in sorted({**lock, **records}.items())}
 
 
 def write_lock(folder: Path, *, replace: bool = False) -> Path:

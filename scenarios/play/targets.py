@@ -1,4 +1,4 @@
-"""What a word of the command line plays: scenarios, with what a suite changes of each."""
+"""From the name of a scenario or suite to the scenarios to play, with the suite's values."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from scenarios.spec.scenario import Scenario
 from scenarios.spec.suite import Suite
 from sim.motion.stage import Value
 
-SCENARIO_SEEDS = 10  # of a scenario that is named alone
+SCENARIO_SEEDS = 10  # of a scenario that is named without a suite
 
 
 @dataclass(frozen=True)
 class PlannedScenario:
-    """One scenario of a run: what a suite changes of it, and how many seeds it plays."""
+    """A scenario of a run: the values that its suite changes, and the number of seeds."""
 
     scenario: Scenario
     overrides: Mapping[str, Value]
@@ -30,24 +30,27 @@ class PlannedScenario:
         return frozenset((*self.scenario.parameters, *SETTINGS))
 
     def job(self, seed: int, system: System | None = None) -> Job:
-        """One episode of it, as the suite has it."""
+        """The episode of a seed."""
         return Job(self.scenario, seed, self.overrides, system or System(), label=self.label)
 
 
 def expand_target(target: str) -> list[PlannedScenario]:
-    """Of a scenario, a suite, or a file of either. Raises BenchError."""
-    found = resolve(target)
-    if isinstance(found, Suite):
-        return expand_suite(found)
-    return _at_rates(PlannedScenario(found, {}, SCENARIO_SEEDS, found.name))
+    """Expand a target into the scenarios to play: a scenario, a suite, or a file of either.
+
+    Raises BenchError.
+    """
+    named = resolve(target)
+    if isinstance(named, Suite):
+        return expand_suite(named)
+    return _at_rates(PlannedScenario(named, {}, SCENARIO_SEEDS, named.name))
 
 
 def expand_suite(suite: Suite) -> list[PlannedScenario]:
-    """In the suite's order. Raises BenchError for an unknown scenario."""
+    """The scenarios of a suite in its order. Raises BenchError for an unknown scenario."""
     return [
-        part
+        planned
         for entry, scenario in scenarios_of(suite)
-        for part in _at_rates(
+        for planned in _at_rates(
             PlannedScenario(
                 scenario,
                 entry.overrides | ({} if entry.frames is None else {"frames": entry.frames}),
@@ -58,17 +61,21 @@ def expand_suite(suite: Suite) -> list[PlannedScenario]:
     ]
 
 
-def _at_rates(part: PlannedScenario) -> list[PlannedScenario]:
-    """The same time at each of the scenario's frame rates; the part itself where it has none."""
-    scenario = part.scenario
-    if not scenario.rates or "fps" in part.overrides:
-        return [part]
-    duration_s = float(part.overrides.get("frames", scenario.frames)) / scenario.fps
+def _at_rates(planned: PlannedScenario) -> list[PlannedScenario]:
+    """The scenario at each of its frame rates, over the same time; itself where it has none."""
+    scenario = planned.scenario
+    if not scenario.rates or "fps" in planned.overrides:
+        return [planned]
+    duration_s = float(planned.overrides.get("frames", scenario.frames)) / scenario.fps
     return [
         replace(
-            part,
-            overrides={**part.overrides, "fps": rate, "frames": max(1, round(duration_s * rate))},
-            label=f"{part.label}@{rate:g}",
+            planned,
+            overrides={
+                **planned.overrides,
+                "fps": rate,
+                "frames": max(1, round(duration_s * rate)),
+            },
+            label=f"{planned.label}@{rate:g}",
         )
         for rate in scenario.rates
     ]

@@ -34,7 +34,7 @@ STYLES = {"pass": "green", "fail": "bold red", "inconclusive": "yellow"}
 
 @dataclass(frozen=True)
 class CompareRequest:
-    """What the command line asked for; jobs: worker processes of an escalation."""
+    """Arguments of `compare`; None: not given. jobs: worker processes of an escalation."""
 
     base: Path
     new: Path
@@ -88,7 +88,7 @@ def _escalated(
     jobs: int | None,
     folder: Path,
 ) -> tuple[Verdict, str]:
-    """The verdict with as many reserve seeds as it takes, or why these cannot be played here."""
+    """The verdict after as many reserve rounds as needed, and why they cannot be played here."""
     # Late: to play takes many imports that comparing does not need.
     from scenarios.execute.local import local_executor, worker_count
     from scenarios.run.escalate import LOOKS, CannotEscalate, escalate

@@ -94,9 +94,9 @@ def _short(made: Mapping[str, Any]) -> str:
 
 
 def manual_command(new: SavedRun, reason: str) -> str:
-    """The one line for runs that cannot be continued here."""
+    """The line, with the command to give by hand, for runs that cannot be continued here."""
     request = new.meta.get("request")
-    seeds = sum(ROUNDS) * max(len(one["seeds"]) for one in new.meta["scenarios"])
+    seeds = sum(ROUNDS) * max(len(scenario["seeds"]) for scenario in new.meta["scenarios"])
     words = [*request["targets"], *system_options(new.meta)] if request else ["..."]
     return (
         f"inconclusive, and the reserve cannot be played here: {reason}; play it with each of the "
@@ -120,7 +120,7 @@ def request_of(run: SavedRun) -> PlanRequest:
 
 
 def planned_jobs(run: SavedRun) -> list[Job]:
-    """The jobs of a run once more. Raises CannotEscalate where they are not those of the run."""
+    """Plan the jobs of a run again. Raises CannotEscalate where they differ from the run's."""
     request = request_of(run)
     allow_plug_ins_from_here(request.detector, request.tracker)
     try:
@@ -129,9 +129,9 @@ def planned_jobs(run: SavedRun) -> list[Job]:
         raise CannotEscalate(manual_command(run, str(fault))) from fault
     now = {(job.name, job.seed): digest_of(job) for job in jobs}
     then = {
-        (one["name"], seed): digest
-        for one in run.meta["scenarios"]
-        for seed, digest in zip(one["seeds"], one["digests"], strict=True)
+        (scenario["name"], seed): digest
+        for scenario in run.meta["scenarios"]
+        for seed, digest in zip(scenario["seeds"], scenario["digests"], strict=True)
     }
     if now != then:
         raise CannotEscalate(manual_command(run, f"the scenarios of {run.folder} have changed"))
@@ -143,7 +143,7 @@ def _check_reproducible(
 ) -> None:
     """Play a few episodes of each run again: the same code gives the same, bit for bit.
 
-    Plug-ins have no version of ours; this is what notices that one has changed.
+    Plug-ins have no version of ours: this check shows where a plug-in has changed.
     """
     chosen = [[jobs[k * len(jobs) // PROOFS] for k in range(PROOFS)] for jobs in plans]
     chosen = [list({(job.name, job.seed): job for job in jobs}.values()) for jobs in chosen]
@@ -164,16 +164,16 @@ def same_episode(run: SavedRun, row: EpisodeRows) -> bool:
 
 
 def reserve_jobs(jobs: Sequence[Job], number: int) -> list[Job]:
-    """The jobs of a round: of each scenario that many new seeds, times those it has."""
-    found = []
+    """The jobs of a round: for each scenario ROUNDS[number] times as many new seeds as it has."""
+    reserve = []
     for name in dict.fromkeys(job.name for job in jobs):
         mine = [job for job in jobs if job.name == name]
         first = FIRST_RESERVE_SEED + sum(ROUNDS[:number]) * len(mine)
-        found += [
+        reserve += [
             replace(mine[0], seed=first + k, keep_pictures=False)
             for k in range(ROUNDS[number] * len(mine))
         ]
-    return found
+    return reserve
 
 
 def play_round(
@@ -184,9 +184,12 @@ def play_round(
     folder: Path,
     on_round: OnRound,
 ) -> tuple[SavedRun, SavedRun]:
-    """Both runs with the episodes of one more round; these are saved as FOLDER/base-1, new-1."""
-    jobs = [reserve_jobs(one, number) for one in plans]
-    every = [job for one in jobs for job in one]
+    """Both runs with the episodes of the next round, which are saved as FOLDER/base-1, new-1.
+
+    Raises KeyboardInterrupt where the round is not played to its end.
+    """
+    jobs = [reserve_jobs(planned, number) for planned in plans]
+    every = [job for reserve in jobs for job in reserve]
     rows = _finished(play_all(every, executor, on_round(number, len(every))))
     grown = []
     for name, run, mine in zip(("base", "new"), runs, jobs, strict=True):

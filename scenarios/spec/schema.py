@@ -33,7 +33,7 @@ def json_schema() -> dict[str, Any]:
 def fields_beside(path: FieldPath, data: Any, record: type[BaseModel]) -> list[str]:
     """Names of the fields that may stand where the last name of a path stands.
 
-    data: the whole file's values; record: what the file is to be.
+    data: the whole file's values; record: the type of the file's record.
     """
     above = [str(name) for name in path[:-1]]
     schema: Mapping[str, Any] = record.model_json_schema()

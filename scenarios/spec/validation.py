@@ -43,7 +43,7 @@ class FieldFault:
 def first_fault(
     error: ValidationError, data: Any, positions: Positions, record: type[BaseModel]
 ) -> FieldFault:
-    """The first fault of a file in reading order. data: its values; record: what it is to be."""
+    """The first fault of a file in reading order. data: its values; record: its type."""
     faults = [_fault(dict(item), data, positions, record) for item in error.errors()]
     # A missing field is at its mapping's start: a fault of a field that is there comes first.
     return min(faults, key=lambda fault: (fault.secondary, fault.at))

@@ -19,6 +19,7 @@ from reports.score.records import Episode, FrameOutcome, OverlayPicture
 from reports.summary.tables import rich_table, summarise
 from reports.summary.text import count
 from scenarios.console.folder import default_folder
+from scenarios.console.interrupts import interrupts, unwritten_if_interrupted
 from scenarios.console.progress import progress_bar
 from scenarios.play.from_dataset import (
     check_once,
@@ -52,7 +53,7 @@ class ScoreRequest:
 
 
 def score_tracks(request: ScoreRequest) -> None:
-    """Read, score, save, print. Raises BenchError."""
+    """Read, score, save, print. Raises BenchError, Interrupted after a signal before saving."""
     if request.frame not in FRAMES:
         raise BenchError(f"--frame must be {' or '.join(FRAMES)}, got {request.frame[:40]!r}")
     dataset = open_with_sequences(request.dataset)
@@ -68,25 +69,29 @@ def score_tracks(request: ScoreRequest) -> None:
     rows = []
     by_seed = sorted(identities.values(), key=lambda identity: -identity.seed)
     pictured = {identity.label: identity.seed for identity in by_seed}  # the first seed of each
-    with progress_bar(Console(stderr=True)) as progress:
-        task = progress.add_task("scoring", total=len(dataset.sequences))
-        for sequence in dataset.sequences:
-            identity = identities[sequence.name]
-            episode, remarks = _score_sequence(
-                replace(sequence),
-                identity,
-                tracks_by_name.get(sequence.name),
-                request.frame,
-                pictures=pictured[identity.label] == identity.seed,
-            )
-            rows.append(episode)
-            notes += remarks
-            progress.update(task, advance=1)
-    saved = load(save(folder, rows, _info(request, dataset, folder, identities)))
+    with interrupts():  # while the run is saved, signals are only counted
+        with (
+            unwritten_if_interrupted(folder),
+            progress_bar(Console(stderr=True)) as progress,
+        ):
+            task = progress.add_task("scoring", total=len(dataset.sequences))
+            for sequence in dataset.sequences:
+                identity = identities[sequence.name]
+                episode, remarks = _score_sequence(
+                    replace(sequence),
+                    identity,
+                    tracks_by_name.get(sequence.name),
+                    request.frame,
+                    pictures=pictured[identity.label] == identity.seed,
+                )
+                rows.append(episode)
+                notes += remarks
+                progress.update(task, advance=1)
+        saved = load(save(folder, rows, _info(request, dataset, folder, identities)))
+        page = write_page([saved], folder / "report.html")
     out = Console()
     out.print(rich_table(summarise(saved)))
     frames = sum(row.frame_count for row in rows)
-    page = write_page([saved], folder / "report.html")
     summary = f"{count(len(rows), 'sequence')}, {count(frames, 'stereo frame')} scored"
     for line in (summary, *(f"note: {note}" for note in notes), f"report: {page}"):
         out.print(line, highlight=False, markup=False, soft_wrap=True)

@@ -1,7 +1,7 @@
 """BVH files (Biovision Hierarchy): a skeleton and the angles of its joints become a clip.
 
-Rigs name and build their arms differently. The wrist is found by its name; elbow and shoulder are
-the joints above it, so that they need no names. The unit is told by the length of the arm.
+Rigs name and build their arms differently. The wrist is recognised by its name; elbow and shoulder
+are the joints above it, so that they need no names. The unit follows from the length of the arm.
 """
 
 from __future__ import annotations
@@ -53,12 +53,12 @@ class _Side:
 
 
 def _arm(nodes: tuple[Node, ...], side: str, path: str) -> _Side:
-    parts: dict[str, int] = {}
+    named: dict[str, int] = {}
     for index, node in enumerate(nodes):
-        found = next((m for pattern in _WRISTS if (m := pattern.match(node.name))), None)
-        if found is not None and found["side"][0].lower() == side[0]:
-            parts.setdefault(found["part"].lower(), index)
-    if not parts:
+        match = next((m for pattern in _WRISTS if (m := pattern.match(node.name))), None)
+        if match is not None and match["side"][0].lower() == side[0]:
+            named.setdefault(match["part"].lower(), index)
+    if not named:
         listed = ", ".join(node.name for node in nodes)
         listed = listed if len(listed) <= 200 else listed[:197] + "..."
         raise BenchError(
@@ -66,7 +66,7 @@ def _arm(nodes: tuple[Node, ...], side: str, path: str) -> _Side:
             f"{side[0]}Hand or hand_{side[0]}; it has {listed}"
         )
     # A rig with a wrist has its hand joint further out.
-    wrist = next(parts[part] for part in ("wrist", "hand", "hnd") if part in parts)
+    wrist = next(named[part] for part in ("wrist", "hand", "hnd") if part in named)
     chain: list[int] = []
     above = nodes[wrist].parent
     while above >= 0 and len(chain) < 2:
@@ -116,14 +116,14 @@ def clip_of_bvh(text: str, path: str, unit_m: float | None = None) -> Clip:
     )
     unit, basis = _unit(2.0 * float(arm), unit_m, path)
     positions = positions * unit
-    found: dict[str, Floats] = {}
+    places: dict[str, Floats] = {}
     for side, a in arms.items():
         wrist, elbow = positions[:, a.wrist], positions[:, a.elbow]
-        found |= {f"{side}_shoulder": positions[:, a.shoulder], f"{side}_elbow": elbow}
-        found |= {f"{side}_wrist": wrist}
+        places |= {f"{side}_shoulder": positions[:, a.shoulder], f"{side}_elbow": elbow}
+        places |= {f"{side}_wrist": wrist}
         knuckles = _knuckles(nodes, a, positions[0])
         if knuckles is not None:
-            found[f"{side}_hand"] = wrist + _PALM_SHARE * (positions[:, knuckles] - wrist)
+            places[f"{side}_hand"] = wrist + _PALM_SHARE * (positions[:, knuckles] - wrist)
             continue
         forearm = wrist - elbow
         length = np.linalg.norm(forearm, axis=1, keepdims=True)
@@ -132,14 +132,14 @@ def clip_of_bvh(text: str, path: str, unit_m: float | None = None) -> Clip:
         if ends:
             # An End Site says where the hand points, not where its palm is.
             along = rotations[:, a.wrist] @ (ends[0] / np.linalg.norm(ends[0]))
-        found[f"{side}_hand"] = wrist + PALM_PER_FOREARM * length * along
+        places[f"{side}_hand"] = wrist + PALM_PER_FOREARM * length * along
         notes += (f"no fingers: {side} palm put {PALM_PER_FOREARM:.2f} of the forearm ahead",)
     head = _head(nodes, positions, rotations, unit)
     if head is not None:
-        found = {"head": head} | found
+        places = {"head": head} | places
     frame, origin = _torso(positions, arms, skeleton.frame_s)
-    joints = tuple(found)
-    xyz = np.stack([found[joint] for joint in joints], axis=1) - origin[:, None]
+    joints = tuple(places)
+    xyz = np.stack([places[joint] for joint in joints], axis=1) - origin[:, None]
     turned: Floats = xyz @ frame
     times: Floats = np.arange(len(xyz), dtype=np.float64) * skeleton.frame_s
     return clip_of(path, times, joints, turned, (basis, *notes))

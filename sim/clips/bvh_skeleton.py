@@ -79,11 +79,11 @@ def _about(axis: int, angles: Floats) -> Floats:
     return turn
 
 
-class _Words:
-    """The words of a text with their lines; says where it stands in faults."""
+class _Tokens:
+    """Tokens of a text with their line numbers; faults name the line."""
 
     def __init__(self, text: str, path: str) -> None:
-        self._words: Iterator[tuple[int, str]] = (
+        self._tokens: Iterator[tuple[int, str]] = (
             (number, word)
             for number, line in enumerate(text.splitlines(), 1)
             for word in line.split()
@@ -92,7 +92,7 @@ class _Words:
 
     def next(self) -> str:
         try:
-            self._line, word = next(self._words)
+            self._line, word = next(self._tokens)
         except StopIteration:
             raise self.fault("ends here, too early") from None
         return word
@@ -127,9 +127,9 @@ class _Words:
 def read_bvh(text: str, path: str) -> Skeleton:
     """The skeleton and motion of a BVH text; `path` names it in faults. Raises BenchError."""
     head, mark, tail = _halves(text)
-    words = _Words(head, path)
-    words.expect("HIERARCHY")
-    nodes = _hierarchy(words)
+    tokens = _Tokens(head, path)
+    tokens.expect("HIERARCHY")
+    nodes = _hierarchy(tokens)
     if not mark:
         raise BenchError(f"{path}: has no line MOTION")
     line = head.count("\n") + 1
@@ -137,50 +137,50 @@ def read_bvh(text: str, path: str) -> Skeleton:
 
 
 def _halves(text: str) -> tuple[str, str, str]:
-    found = re.search(r"^[ \t]*MOTION[ \t\r]*$", text, re.MULTILINE | re.IGNORECASE)
-    if found is None:
+    match = re.search(r"^[ \t]*MOTION[ \t\r]*$", text, re.MULTILINE | re.IGNORECASE)
+    if match is None:
         return text, "", ""
-    return text[: found.start()], "MOTION", text[found.end() :]
+    return text[: match.start()], "MOTION", text[match.end() :]
 
 
-def _hierarchy(words: _Words) -> tuple[Node, ...]:
-    words.expect("ROOT")
+def _hierarchy(tokens: _Tokens) -> tuple[Node, ...]:
+    tokens.expect("ROOT")
     nodes: list[Node] = []
-    _begin(words, nodes, -1)
+    _begin(tokens, nodes, -1)
     here = 0  # the joint whose block is open
     while here >= 0:
-        word = words.expect("JOINT", "End", "CHANNELS", "}")
+        word = tokens.expect("JOINT", "End", "CHANNELS", "}")
         if word == "}":
             here = nodes[here].parent
         elif word == "CHANNELS":
-            count = words.whole(6)
-            channels = tuple(words.expect(*_CHANNELS) for _ in range(count))
+            count = tokens.whole(6)
+            channels = tuple(tokens.expect(*_CHANNELS) for _ in range(count))
             if len(set(channels)) < count or nodes[here].channels:
-                raise words.fault(f"{nodes[here].name}: a channel is given twice")
+                raise tokens.fault(f"{nodes[here].name}: a channel is given twice")
             nodes[here].channels = channels
         elif word == "End":
-            words.expect("Site")
-            words.expect("{")
-            words.expect("OFFSET")
-            nodes[here].ends.append(np.array([words.number() for _ in range(3)]))
-            words.expect("}")
+            tokens.expect("Site")
+            tokens.expect("{")
+            tokens.expect("OFFSET")
+            nodes[here].ends.append(np.array([tokens.number() for _ in range(3)]))
+            tokens.expect("}")
         else:
             if len(nodes) == MAX_JOINTS:
-                raise words.fault(f"has more than {MAX_JOINTS} joints")
-            _begin(words, nodes, here)
+                raise tokens.fault(f"has more than {MAX_JOINTS} joints")
+            _begin(tokens, nodes, here)
             here = len(nodes) - 1
     return tuple(nodes)
 
 
-def _begin(words: _Words, nodes: list[Node], parent: int) -> None:
+def _begin(tokens: _Tokens, nodes: list[Node], parent: int) -> None:
     """NAME { OFFSET x y z; a name may have spaces."""
-    name = [words.next()]
-    while (word := words.next()) != "{":
+    name = [tokens.next()]
+    while (word := tokens.next()) != "{":
         name.append(word)
         if len(name) > 8 or word in ("}", "OFFSET"):
-            raise words.fault("a joint's name must be followed by {")
-    words.expect("OFFSET")
-    offset = np.array([words.number() for _ in range(3)])
+            raise tokens.fault("a joint's name must be followed by {")
+    tokens.expect("OFFSET")
+    offset = np.array([tokens.number() for _ in range(3)])
     nodes.append(Node(" ".join(name), parent, offset))
 
 

@@ -1,7 +1,7 @@
 """Files of recorded motion: NPZ and CSV (and BVH, by `sim.clips.bvh`) become clips.
 
-Readers accept what is described here and in docs/recorded_motion.md; anything else is one line that
-says what is wrong and where.
+Readers accept the formats described here and in docs/recorded_motion.md; any other file raises a
+BenchError whose line names the rule and the place.
 """
 
 from __future__ import annotations
@@ -80,10 +80,10 @@ def _clip_of_npz(path: str) -> Clip:
     arrays = _arrays(path, ("t", "joints", "xyz"))
     times, names, xyz = arrays["t"], arrays["joints"], arrays["xyz"]
     if names.dtype.kind != "U" or names.ndim != 1:
-        raise BenchError(f"{path}: joints must be a list of names, got {_said(names)}")
+        raise BenchError(f"{path}: joints must be a list of names, got {_shortened(names)}")
     for name, array in (("t", times), ("xyz", xyz)):
         if array.dtype.kind not in "fiu":
-            raise BenchError(f"{path}: {name} must hold numbers, got {_said(array)}")
+            raise BenchError(f"{path}: {name} must hold numbers, got {_shortened(array)}")
     joints = tuple(str(name) for name in names)
     want = (len(times) if times.ndim else 0, len(joints), 3)
     if times.ndim != 1 or xyz.shape != want:
@@ -134,7 +134,7 @@ def _arrays(path: str, names: Sequence[str]) -> dict[str, np.ndarray]:
         raise BenchError(f"{path}: is damaged: {_line(fault)}") from None
 
 
-def _said(array: np.ndarray) -> str:
+def _shortened(array: np.ndarray) -> str:
     return f"{array.dtype} {array.shape}"
 
 

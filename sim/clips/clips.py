@@ -16,10 +16,10 @@ ARM_JOINTS = ("shoulder", "elbow", "wrist", "hand")
 JOINTS = ("head", *(f"{side}_{joint}" for side in ("left", "right") for joint in ARM_JOINTS))
 HANDS = tuple(f"{side}_hand" for side in SIDES)
 
-MAX_M = 3.0  # of a coordinate, and of one step
+MAX_M = 3.0  # of a coordinate, and of a step
 MAX_MPS = 12.0  # a thrown ball leaves a hand at 10-40 m/s, a gesture peaks at 4
 BRIDGED_S = 2.0  # a hand that is missing for longer is not made up
-MIN_S = 0.1  # what is shorter shows nothing
+MIN_S = 0.1  # least duration of a clip
 
 # Wrist to palm over elbow to wrist, as in `sim.anatomy`: for clips that end at the wrist.
 PALM_PER_FOREARM = 0.045 / 0.1545
@@ -27,7 +27,7 @@ PALM_PER_FOREARM = 0.045 / 0.1545
 
 @dataclass(frozen=True)
 class Gap:
-    """A joint is not recorded between two moments of the clip [s]; what is played there is made up.
+    """A joint is not recorded between two moments of the clip [s]; its motion there is invented.
 
     Gaps of hands are at most BRIDGED_S long.
     """
@@ -39,11 +39,11 @@ class Gap:
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """A recorded motion, checked, without gaps in what it has.
+    """A recorded motion, checked, without gaps in its joints.
 
     times_s (n,) from 0, increasing; joints (k,) names from JOINTS, both hands (palm centres) among
     them; xyz (n, k, 3) [m] in the torso's frame: x forward, y to the person's left, z up, origin
-    mid-shoulder. gaps: what was bridged; notes: what the reader had to guess.
+    mid-shoulder. gaps: bridged stretches; notes: guesses of the reader.
     """
 
     name: str
@@ -80,7 +80,7 @@ class Clip:
 
 
 def mirrored(clip: Clip) -> Clip:
-    """The clip seen in a mirror: what the right hand did the left hand does."""
+    """The clip seen in a mirror: the left hand does as the right hand did."""
 
     def other(joint: str) -> str:
         side, _, part = joint.partition("_")
@@ -99,23 +99,23 @@ def mirrored(clip: Clip) -> Clip:
 def clip_of(
     name: str, times_s: Floats, joints: tuple[str, ...], xyz: Floats, notes: tuple[str, ...] = ()
 ) -> Clip:
-    """A checked clip of what a file says; xyz (n, k, 3) with NaN = not recorded.
+    """A checked clip of the data of a file; xyz (n, k, 3) with NaN = not recorded.
 
     Joints that are never there are left out; palms are put ahead of the wrists where only these
     are known; time begins with the first frame that has both hands and ends with the last; gaps are
     bridged. Raises BenchError naming the clip, the joint or frame, the time, and the rule.
     """
     _check_times(name, times_s)
-    found = {joint: xyz[:, k] for k, joint in enumerate(joints) if joint in JOINTS}
-    for joint, path in found.items():
+    tracks = {joint: xyz[:, k] for k, joint in enumerate(joints) if joint in JOINTS}
+    for joint, path in tracks.items():
         _check_places(name, joint, times_s, path)
-    found = {joint: path for joint, path in found.items() if not np.isnan(path[:, 0]).all()}
-    notes += _with_palms(found)
+    tracks = {joint: path for joint, path in tracks.items() if not np.isnan(path[:, 0]).all()}
+    notes += _with_palms(tracks)
     for hand in HANDS:
-        if hand not in found:
-            there = ", ".join(found) or "nothing"
+        if hand not in tracks:
+            there = ", ".join(tracks) or "nothing"
             raise BenchError(f"{name}: {hand} is never recorded; the clip has: {there}")
-    both = ~np.isnan(found[HANDS[0]][:, 0]) & ~np.isnan(found[HANDS[1]][:, 0])
+    both = ~np.isnan(tracks[HANDS[0]][:, 0]) & ~np.isnan(tracks[HANDS[1]][:, 0])
     if both.sum() < 2:
         raise BenchError(
             f"{name}: both hands are recorded together in {int(both.sum())} frames; 2 are needed"
@@ -133,8 +133,8 @@ def clip_of(
     gaps: list[Gap] = []
     paths = []
     for joint in JOINTS:
-        if joint in found and not np.isnan(found[joint][first:last, 0]).all():
-            path = found[joint][first:last]
+        if joint in tracks and not np.isnan(tracks[joint][first:last, 0]).all():
+            path = tracks[joint][first:last]
             gaps += _gaps(joint, kept_s, path)
             paths.append((joint, _bridged(kept_s, path)))
     _check_gaps(name, gaps)
@@ -187,7 +187,7 @@ def _check_places(name: str, joint: str, times_s: Floats, path: Floats) -> None:
 
 
 def _check_steps(name: str, joint: str, times_s: Floats, path: Floats) -> None:
-    """Raises BenchError for the greatest jump, if there is one."""
+    """Raise BenchError for the greatest jump, if there is any."""
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
     speeds = steps / np.diff(times_s)
     k = int(speeds.argmax())
@@ -238,12 +238,12 @@ def _bridged(times_s: Floats, path: Floats) -> Floats:
     return filled
 
 
-def _with_palms(found: dict[str, Floats]) -> tuple[str, ...]:
-    """Adds hands that only have a wrist: ahead of it, along the forearm. Says what was done."""
+def _with_palms(tracks: dict[str, Floats]) -> tuple[str, ...]:
+    """Add a palm where only a wrist is recorded: ahead of it, along the forearm. Returns notes."""
     notes: list[str] = []
     for side in SIDES:
         hand, wrist, elbow = (f"{side}_{part}" for part in ("hand", "wrist", "elbow"))
-        if hand not in found and wrist in found and elbow in found:
-            found[hand] = found[wrist] + PALM_PER_FOREARM * (found[wrist] - found[elbow])
+        if hand not in tracks and wrist in tracks and elbow in tracks:
+            tracks[hand] = tracks[wrist] + PALM_PER_FOREARM * (tracks[wrist] - tracks[elbow])
             notes.append(f"{hand} taken {PALM_PER_FOREARM:.2f} of the forearm beyond the wrist")
     return tuple(notes)

@@ -17,7 +17,7 @@ _HALF_BREADTH = 0.108 / (0.162 + 0.1545 + 0.045)
 
 _AVERAGE_ARM_M = (0.162 + 0.1545 + 0.045) * 1.71
 
-# A palm is never told to be lower than this above the table; contact projection does the rest.
+# A palm is never planned lower than this above the table; contact projection does the rest.
 FLOOR_M = 0.040
 
 _MAX_LIFT_M = 0.22

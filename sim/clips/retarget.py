@@ -1,7 +1,7 @@
 """Recorded motion on another body: scaled, lifted over the table, kept in reach, interpolated.
 
 Palms are played where they were recorded, as far as this body, its table and its own limbs let
-them; what a clip does not have (elbows, the way hands point) is filled in as a person would.
+them; data that a clip lacks (elbows, the way hands point) is filled in as a person would.
 """
 
 from __future__ import annotations
@@ -47,16 +47,16 @@ _STEADY_S = 0.08  # hands turn no quicker than this, elbows likewise
 _MAX_LEAN_RAD = math.radians(18.0)
 _MAX_TURN_RAD = math.radians(30.0)
 _MAX_HEAD_M = 0.05  # head off its place on the neck
-_NECK_M = 0.20  # what the head bends about
+_NECK_M = 0.20  # from the point about which the head bends
 _SWIVELS_RAD = (math.radians(-10.0), math.radians(95.0))
 _SPINE_H = (
-    0.345  # hips to shoulders, of the stature: `sim.motion.motion` bends the torso about the hips
+    0.345  # hips to shoulders, of the stature: `sim.motion.posture` bends the torso about the hips
 )
 
 
 @dataclass(frozen=True, eq=False)
 class Retargeted:
-    """A clip for one body, over the clip's own time [s].
+    """A clip for a body, over the clip's own time [s].
 
     palms: -> (2, 3) right, left, world [m]; turns: -> (2, 4) quaternions; swivels: -> (2,) beyond
     the person's habit; carriage_: -> (8,), the fields of `Carriage`. table_m: height of
@@ -98,7 +98,7 @@ def retarget(
 ) -> Retargeted:
     """A clip for the person of this scene, whose elbows habitually swivel by swivel_rad.
 
-    scale multiplies the scale found, lift_m is added to the lift found.
+    scale multiplies the scale of the fit, lift_m is added to its lift.
     """
     anatomy = scene.anatomy
     fit = fit_of(clip, scene, scale, lift_m)
@@ -202,7 +202,7 @@ def _arms(
     turns, swivels = np.empty((len(grid), 2, 4)), np.zeros((len(grid), 2))
     for side, name in enumerate(SIDES):
         palms, joints = track.palms[:, side], track.joints[:, side]
-        # What the clip says of elbow and wrist holds as far as the palm is where it was.
+        # The recorded elbow and wrist hold as far as the palm is where it was.
         trust = np.exp(-((track.moved[:, side] / _TRUSTED_M) ** 2))
         if clip.has(f"{name}_elbow"):
             elbows = fit.placed(CubicSpline(clip.times_s, clip.path(f"{name}_elbow"))(grid))
@@ -219,7 +219,7 @@ def _arms(
         if clip.has(f"{name}_wrist"):
             pointing = clip.path(f"{name}_hand") - clip.path(f"{name}_wrist")
             pointing = CubicSpline(clip.times_s, pointing)(grid)
-            # As long as it is: a wrist found on the palm says nothing.
+            # As long as it is: a wrist recorded on the palm has no direction.
             size = max(float(np.median(np.linalg.norm(pointing, axis=1))), 0.01)
             along = along + trust[:, None] * pointing / size
         along = gaussian_filter1d(along, steady, axis=0, mode="nearest")

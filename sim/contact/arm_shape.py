@@ -180,7 +180,7 @@ def _arm_shape(anatomy: Anatomy, side: int, curls: tuple[float, ...]) -> Shape:
     end = 1.0 - (_CUFF_M + 0.55 * wrist) / anatomy.forearm_m
     ends = np.array([0.0, 0.25, 0.5, 0.75, end])
     along = _FOREARM_POINTS * end
-    # Fingers are chains: a bar that goes on from another starts where that one ends.
+    # Fingers are chains: a bar that goes on from another starts at its end.
     first = np.ones(_HAND_BARS, dtype=bool)
     first[len(_PALM_BARS) :] = np.tile([True, False, False], 5)
     middles = 0.5 * (hand.starts_m + hand.ends_m)

@@ -1,8 +1,8 @@
 """Contact projection: moves palms and elbows until nothing overlaps by more than it may.
 
 Damped least squares: every overlap asks for a move of its own depth along its way out, palms and
-elbows follow as the bones let them, and what is moved least satisfies all best. A push grows from
-nothing with its depth, so that a motion stays continuous where a contact begins and ends.
+elbows follow as the bones let them, and the least moves that satisfy all are taken. A push grows
+from nothing with its depth, so that a motion stays continuous where a contact begins and ends.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ Solve = Callable[[int, Floats, float | None], Arm]  # side, palm (3,), swivel (N
 
 _LEFT_ALONE_M = 0.0005  # of overlap: nothing is pushed for less
 # Beyond that, rounds go on down to _DONE_M, and are taken in part, less and less, from twice as
-# much: where one more round begins, the motion makes no step.
+# much: where another round begins, the motion makes no step.
 _DONE_M = 0.0001
 _LEAST_SHARE = 0.02  # of a round: the projection stops
 _ROUNDS = 32
 # Many small moves, each well damped: they follow a smooth flow out of a deep overlap, where long
-# ones would jump between ways out from one moment to the next.
+# pushes would jump between ways out from one moment to the next.
 _LONGEST_PUSH_M = 0.010
-_DAMPING, _LEAST_DAMPING = 0.6, 0.02  # of a deep overlap, of one nearly gone
+_DAMPING, _LEAST_DAMPING = 0.6, 0.02  # of a deep overlap, of an overlap nearly gone
 _STEADY = 0.8  # share of a hand's way that does not turn over with its fingers
 _EASE_M = 0.002  # depth at which a push has half its weight
 _ELBOW_EASE = 4.0  # an elbow swings so much more readily than a palm leaves its target
@@ -51,13 +51,13 @@ _BOTH_UPPER = (PART_OF_BAR[:, None] == UPPER_ARM) & (PART_OF_BAR[None] == UPPER_
 
 
 def _on_wrist(part: Floats, share: Floats) -> Floats:
-    """Share (n, 1) of the wrist's move that parts make by themselves."""
+    """Share (n, 1) of the wrist's move that points of these parts make."""
     moved: Floats = np.where(part == HAND, 1.0, np.where(part == FOREARM, share, 0.0))[:, None]
     return moved
 
 
 def _on_elbow(part: Floats, share: Floats) -> Floats:
-    """Share (n,) of the elbow's move that parts make."""
+    """Share (n,) of the elbow's move that points of these parts make."""
     moved: Floats = np.where(part == HAND, 0.0, np.where(part == FOREARM, 1.0 - share, share))
     return moved
 
@@ -127,14 +127,14 @@ def _from_bone(arm: Arm, palm_m: Floats) -> Floats:
 
 
 def _rows(way: Floats, wrist: Floats, elbow: Floats, elbow_moves: Floats) -> Floats:
-    """What moves points of an arm along their ways (n, 3): its palm, its elbow's swing (n, 4)."""
+    """Rows (n, 4) that move points of an arm along their ways (n, 3): palm, elbow's swing."""
     rows: Floats = elbow[:, None] * (way @ elbow_moves)
     rows[:, :3] += wrist * way
     return rows
 
 
 def _pair_rows(shapes: tuple[Shape, Shape], arms: tuple[Arm, Arm]) -> tuple[Floats, Floats]:
-    """Depths (m,) of the overlaps of two arms, and what moves them apart (m, 8)."""
+    """Depths (m,) of the overlaps of two arms, and the rows (m, 8) that move them apart."""
     if _far_apart(shapes, arms):
         return np.zeros(0), np.zeros((0, 8))
     overlap, distance, between = overlaps(shapes[0].bars(arms[0]), shapes[1].bars(arms[1]))
@@ -146,7 +146,7 @@ def _pair_rows(shapes: tuple[Shape, Shape], arms: tuple[Arm, Arm]) -> tuple[Floa
     for (first, second), steady in _steady_ways(arms).items():
         chosen = (PART_OF_BAR[i] == first) & (PART_OF_BAR[j] == second)
         if chosen.any():
-            # All bars of a hand go one way, the mean of theirs, each as heavy as it is deep.
+            # All bars of a hand go the same way, the mean of theirs, each as heavy as it is deep.
             depth = overlap[i[chosen], j[chosen]] - _LEFT_ALONE_M
             mean = depth @ way[chosen] / depth.sum()
             common = (1.0 - _STEADY) * mean + _STEADY * steady
@@ -163,8 +163,8 @@ def _pair_rows(shapes: tuple[Shape, Shape], arms: tuple[Arm, Arm]) -> tuple[Floa
 
 @dataclass(frozen=True, eq=False)
 class _Bumps:
-    """How an arm was found against solids and table: depths_m (m,) of its overlaps, what moves it
-    out of them (m, 8), and spare_m, what it may move before it can touch anything.
+    """The overlaps of an arm with solids and table: depths_m (m,), the rows (m, 8) that move it out
+    of them, and spare_m, the way that it may move before it can touch anything.
     """
 
     arm: Arm
@@ -221,7 +221,7 @@ def separate(
 ) -> tuple[Arm, Arm]:
     """Arms whose palms are as near to palms_m (2 x (3,)) as contact allows.
 
-    solve(side, palm, swivel) gives an arm. What cannot be parted stays as good as it gets:
+    solve(side, palm, swivel) gives an arm. Overlaps that cannot be undone stay as good as it gets:
     `sim.motion.measure.fault_of` judges it.
     """
     shapes = (arm_shape(anatomy, 0, curls[0]), arm_shape(anatomy, 1, curls[1]))

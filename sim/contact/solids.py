@@ -1,7 +1,7 @@
-"""What an arm must keep out of: table top, head, torso, legs, things that stand in the room.
+"""Solids that an arm must keep out of: table top, head, torso, legs, standing objects.
 
-Analytic shapes a little plainer than what is drawn. Each tells, for round points, how deep they
-are in it and which way leads out; first order in the gap: exact on the surface, where it is used.
+Analytic shapes a little plainer than the drawn surfaces. Each gives, for round points, their depth
+in it and the way out; first order in the gap: exact on the surface, where it is used.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Slab:
         local = points_m @ turn if self.yaw_rad else points_m
         beyond = local - np.clip(local, self.low_m, self.high_m)
         gap = np.sqrt((beyond * beyond).sum(axis=1))
-        # Inside, the nearest face: below all lower corners, above all upper ones, is negative.
+        # Inside, the nearest face: below all lower corners, above all upper corners, is negative.
         faces = np.concatenate([self.low_m - local, local - self.high_m], axis=1)
         nearest = faces.argmax(axis=1)
         inside = gap < 1e-9
@@ -57,7 +57,7 @@ class Table:
     thickness_m: float
 
     def slab(self, below_m: float = 0.0, above_m: float = 0.0) -> Slab:
-        """The slab, or one that is thicker downwards or upwards, so that all of it leads out to
+        """The slab, or a slab that is thicker downwards or upwards, so that all of it leads out to
         the other side.
         """
         bottom = self.top_m - self.thickness_m - below_m
@@ -69,7 +69,7 @@ class Table:
     def side_of(self, palm_m: Floats) -> Slab:
         """The slab for an arm whose palm is there: out of it on the palm's side of the table.
 
-        A hand that dips through the top comes back up with all its fingers, one under the table
+        A hand that dips through the top comes back up with all its fingers, a hand under the table
         goes down; before the edge there is no such preference.
         """
         over = min(max((float(palm_m[0]) - self.near_x_m) / 0.05, 0.0), 1.0)
@@ -130,9 +130,9 @@ def trunk(anatomy: Anatomy) -> Trunk:
 
 @dataclass(frozen=True, eq=False)
 class Solids:
-    """A person's head, trunk, and k - 2 round-ended bars about it: what arms may bump into.
+    """A person's head, trunk, and k - 2 round-ended bars about it: arms may bump into them.
 
-    names (k): what each is part of, in this order. Positions (3,), rotations (3, 3) own -> world;
+    names (k): the body part of each, in this order. Positions (3,), rotations (3, 3) own -> world;
     head_axes_m (3,): its half axes; starts_m, ends_m (k - 2, 3), radii_m (k - 2,).
     """
 
@@ -207,7 +207,7 @@ def person_solids(
 
 @dataclass(frozen=True, eq=False)
 class StandingObject:
-    """A thing that stands in the room, upright: a box, or a cylinder (round).
+    """An object that stands in the room, upright: a box, or a cylinder (round).
 
     size_m: extents x, y, z; base_m (3,): centre of its base.
     """
@@ -235,7 +235,7 @@ class StandingObject:
 
 @dataclass(frozen=True, eq=False)
 class Obstacles:
-    """What the arms must keep out of, besides each other."""
+    """Everything that the arms must keep out of, besides each other."""
 
     table: Table
     solids: Solids

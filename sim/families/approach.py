@@ -27,12 +27,12 @@ from sim.person.kinematics import OUTWARD
 from sim.scene.rig import stereo_rig
 from sim.vectors import norm
 
-# The nearer arm reaches in from outside, the farther one over it: so the forearms pass each other.
-_RISE_M = 0.045  # of the farther hand over the nearer one
+# The nearer arm reaches in from outside, the farther arm over it: so the forearms pass each other.
+_RISE_M = 0.045  # of the farther hand over the nearer hand
 _TILT_RAD = 0.6  # between the hands, so that their fingers meet all the same
-_SWIVEL_RAD = 0.8  # between the elbows, outward that of the nearer one
+_SWIVEL_RAD = 0.8  # between the elbows, outward that of the nearer arm
 _SHARES = 101  # of a stroke at which the outlines of the hands are compared
-_SURELY_PX = 4.0  # outlines that overlap by this much are one blob in any picture
+_SURELY_PX = 4.0  # outlines that overlap by this much are a single blob in any picture
 
 
 Pair = tuple[HandState, HandState]
@@ -40,7 +40,7 @@ Pair = tuple[HandState, HandState]
 
 @dataclass(frozen=True, eq=False)
 class Approach:
-    """Both hands up, apart, one nearer to the cameras, about to stroke through the middle.
+    """Both hands up, apart, at different depths, about to stroke through the middle.
 
     apart, crossed: both hands (right, left) before and after the strokes; bows_m: of the strokes.
     """
@@ -85,7 +85,7 @@ def approach(stage: Stage, bow_m: float = 0.0) -> Approach:
 
 
 def merged_shares(stage: Stage, a: Approach, here: Pair, there: Pair) -> tuple[float, float]:
-    """Shares of the way from `here` to `there` between which the hands are one blob.
+    """Shares of the way from `here` to `there` between which the hands are a single blob.
 
     From the first share on both views show a single blob; up to the last at least one view does.
     For hands that never meet in the pictures both are the share at which they come nearest.

@@ -1,4 +1,4 @@
-"""Both hands laid on the head: three targets in one blob."""
+"""Both hands laid on the head: three targets in a single blob."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _BETWEEN_M = 0.004  # from either hand to the head's mid-plane, so that tremor i
 
 
 def _on_head(stage: Stage, side: int) -> HandState:
-    """A hand laid on its place of the head while the other one is laid there too."""
+    """A hand laid on its place of the head while the other is laid there too."""
     spot, fingers = np.array([1.0, OUTWARD[side], 1.0]) * _PLACES[str(stage.values["where"])]
     laying = Laying(
         spot,

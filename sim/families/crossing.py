@@ -1,4 +1,4 @@
-"""Cross and bounce: one approach, two outcomes."""
+"""Cross and bounce: the same approach, two outcomes."""
 
 from __future__ import annotations
 

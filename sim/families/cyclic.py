@@ -20,7 +20,7 @@ from sim.vectors import about_z
 
 @dataclass(frozen=True)
 class Tempo:
-    """A count of whole cycles at a frequency, begun and ended over one period each.
+    """A count of whole cycles at a frequency, begun and ended over a period each.
 
     The frequency rises and falls along a minimum-jerk profile, so that whatever follows the phase
     begins and ends with neither speed nor acceleration.
@@ -99,7 +99,7 @@ def _clap(stage: Stage) -> MotionPlan:
     f, lift = stage.number("frequency"), stage.number("finger_lift")
     turn = 0.5 * stage.number("palm_turn")
     hands, centre, anatomy = stage.planners(stage.start_s), stage.centre_m, stage.scene.anatomy
-    # Speed pi f D / 2 of each hand at its fastest: a wide clap has to be a slow one.
+    # Speed pi f D / 2 of each hand at its fastest: a wide clap has to be slow.
     wide = min(stage.number("opening"), 2.0 * stage.number("top_speed") / (math.pi * f))
     flat = []
     for side in (0, 1):

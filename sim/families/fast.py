@@ -107,7 +107,7 @@ def _stop_and_reverse(stage: Stage) -> MotionPlan:
         at = np.array([0.5, 0.3 + 0.4 * rng.random(), 0.3 + 0.4 * rng.random()])
         hand.move(_free(stage, side, at), 0.4, RISING_M)
         while hand.clock_s < stage.duration_s:
-            # One draw each whatever the kind, so that a longer sequence begins like a shorter one.
+            # The same draws whatever the kind: a longer sequence begins like a shorter sequence.
             kind = str(rng.choice(["stop", "reverse", "whole"], p=[0.4, 0.4, 0.2]))
             speed = slow * (fast / slow) ** rng.random()
             s, brake = rng.uniform(0.4, 0.62), stage.number("brake") * rng.uniform(0.8, 1.25)

@@ -90,12 +90,12 @@ def _leave_view(stage: Stage) -> MotionPlan:
     ready = raised(side, start, -0.3 * (0.5 * math.pi - turn), 0.0, 0.2, curl=0.12)
     stretched = raised(side, start, turn - 0.5 * math.pi, 0.0, 0.2, curl=0.12)
     cameras = stereo_rig(stage.scene.rig).cameras
-    one, both = _way_out(cameras, anatomy, side, stretched, way, stage.number("beyond"))
+    first, both = _way_out(cameras, anatomy, side, stretched, way, stage.number("beyond"))
     hands = stage.planners(stage.start_s)
     hand = hands[side]
     hand.move(ready, speed, [0.0, 0.0, 0.02])
     leaning = hand.clock_s
-    hand.move(one, speed)
+    hand.move(first, speed)
     first_out = hand.clock_s
     hand.wait(stage.number("one_out"))
     hand.move(both, speed)
@@ -108,9 +108,9 @@ def _leave_view(stage: Stage) -> MotionPlan:
     lean = _lean_towards(stage, side, both)
     carriage = Lean(leaning, first_out, returning, back, sideways_rad=lean)
     # The camera on the far side of the robot sees less of this side.
-    first = CAMERAS[1 - side]
+    camera = CAMERAS[1 - side]
     cues = (
-        Cue(f"out:{first}_view", first_out, returning),
+        Cue(f"out:{camera}_view", first_out, returning),
         Cue("out", both_out, returning),
     )
     return stage.plan(hands, cues=cues, carriage=carriage)

@@ -1,4 +1,4 @@
-"""One hand clasped in the other."""
+"""A hand clasped in the other."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from sim.person.kinematics import OUTWARD
 
 
 def _merge_and_hold(stage: Stage) -> MotionPlan:
-    """One hand is laid as a fist into the other, which closes round it; they stay, and part."""
+    """A hand is laid as a fist into the other, which closes round it; they stay, and part."""
     speed, outer = stage.number("speed"), stage.side("outer")
     inner, rng = 1 - outer, stage.streams("drift")
     hands, anatomy = stage.planners(stage.start_s), stage.scene.anatomy

@@ -92,7 +92,7 @@ def _object_splits_hand(stage: Stage) -> MotionPlan:
     lifted_s = hand.clock_s
     hand.move(above, 0.5 * speed)
     hand.move(start, speed, [0.0, 0.0, 0.04])
-    # One second more than the film: it is never let go.
+    # A second more than the film: it is never let go.
     hold = Hold("tool", holder, 0.0, stage.duration_s + 1.0, grip=grip, put_down=False)
     hands = (hand, lying) if holder == 0 else (lying, hand)
     return stage.plan(hands, (hold,), (Cue("covered", laid_s, lifted_s),))

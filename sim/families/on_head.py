@@ -101,7 +101,7 @@ class Laying:
 
 
 def laid_alone(stage: Stage, side: int, laying: Laying, swivel_rad: float) -> HandState:
-    """A hand laid on the head while the other one rests."""
+    """A hand laid on the head while the other rests."""
     like = replace(stage.rest(side), air=0.1, with_head=1.0, swivel_rad=swivel_rad)
     return laid_on_head(stage, side, laying, like, stage.rest(1 - side))
 

@@ -27,9 +27,9 @@ _FOOT_M = 0.05  # no post's foot reaches further from its axis
 
 
 def _post_objects(values: Values) -> tuple[ObjectSpec, ...]:
-    """A post that throws two shadows, one per camera, on the depth at which the hand will stop.
+    """A post that throws two shadows, one of each camera, on the depth at which the hand will stop.
 
-    The outer one, of the camera on the hand's own side, is `aside` from the mid-plane there; the
+    The outer shadow, of the camera on the hand's own side, is `aside` from the mid-plane there; the
     other lies further in by baseline x (hand - post) / (post - rig). A post that does not fit on
     the table stands on the floor before it.
     """

@@ -111,7 +111,7 @@ def _recorded(stage: Stage) -> MotionPlan:
     )
     rests = [stage.rest(side) for side in (0, 1)]
     firsts = [body.hand(side, start) for side in (0, 1)]
-    # Both hands arrive together, the one with the longer way at lead_speed.
+    # Both hands arrive together, the hand with the longer way at lead_speed.
     lead_s = max(
         stroke_duration(first.position_m - rest.position_m, _BOW_M, stage.number("lead_speed"))
         for first, rest in zip(firsts, rests, strict=True)

@@ -59,7 +59,7 @@ def _bare_forearm(stage: Stage) -> MotionPlan:
         hand, rng = hands[side], stage.streams(f"gestures-{side}")
         hand.until(stage.start_s + 0.8 * rng.random())
         while hand.clock_s < stage.duration_s:
-            # One draw each whatever the kind, so that a longer sequence begins like a shorter one.
+            # The same draws whatever the kind: a longer sequence begins like a shorter sequence.
             kind = str(rng.choice(["stand", "forward", "spread"], p=[0.5, 0.25, 0.25]))
             ahead, out, up = rng.random(3).tolist()
             speed = stage.number("speed") * rng.uniform(0.6, 1.0)

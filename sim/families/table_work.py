@@ -1,4 +1,4 @@
-"""Work at a table: calm, natural, or with one hand idle."""
+"""Work at a table: calm, natural, or with a hand idle."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def _calm_table(stage: Stage) -> MotionPlan:
         kind = (
             "carry" if turn in (1, 2) or rng.random() < 0.2 else str(rng.choice(["reach", "slide"]))
         )
-        # One draw each whatever the kind, so that a longer sequence begins like a shorter one.
+        # The same draws whatever the kind: a longer sequence begins like a shorter sequence.
         ahead, outward = float(rng.uniform(-0.02, 0.03)), float(rng.uniform(0.0, 0.08))
         lift, pause = float(rng.uniform(0.05, 0.13)), float(rng.uniform(0.3, 1.0))
         goal = stage.rest(side, ahead, outward)
@@ -70,7 +70,7 @@ def _calm_table(stage: Stage) -> MotionPlan:
         else:
             hand.move(goal, top, [0.0, 0.0, 0.012])
         cues.append(Cue(f"{kind}:{SIDES[side]}", begun, hand.clock_s))
-        # The other hand often begins before this one is back.
+        # The other hand often begins before this hand is back.
         overlap = float(rng.choice([0.0, 0.0, 0.3])) * (hand.clock_s - begun)
         clock = hand.clock_s + pause - overlap
         turn += 1
@@ -129,7 +129,7 @@ class _Worker:
         rng, hand = self.rng, self.hand
         begun = hand.clock_s
         speed = self.speed_mps * float(rng.uniform(0.8, 1.0))
-        # One draw each whatever the kind, so that a longer sequence begins like a shorter one.
+        # The same draws whatever the kind: a longer sequence begins like a shorter sequence.
         talks, kind = float(rng.random()), str(rng.choice(["reach", "slide", "carry"]))
         ahead, outward = float(rng.uniform(-0.03, 0.07)), float(rng.uniform(0.0, 0.09))
         lift, pause = float(rng.uniform(0.08, 0.2)), self.pause_s * float(rng.random()) ** 2

@@ -1,4 +1,4 @@
-"""Hands brought to where they touch, and fingers closed on what they hold."""
+"""Hands brought to where they touch, and fingers closed on an object."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Carriage: how torso and head are held, beyond what the hands ask for; and its motions."""
+"""Carriage: how torso and head are held, beyond the posture that the hands ask for."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from sim.motion.strokes import minimum_jerk
 
 @dataclass(frozen=True, eq=False)
 class Carriage:
-    """Torso and head at one moment, beyond what the hands ask for.
+    """Torso and head at one moment, beyond the posture that the hands ask for.
 
     forward_rad: torso about the hips, forward; sideways_rad: to the person's left; turn_rad: about
     the spine, to the left. look_yaw_rad (left), look_pitch_rad (down): the head, added to its gaze.
-    head_m (3,): the head displaced in the torso's frame, by what a neck allows.
+    head_m (3,): the head displaced in the torso's frame, as far as a neck allows.
     """
 
     forward_rad: float = 0.0
@@ -44,7 +44,7 @@ NEUTRAL = Carriage()
 
 @dataclass(frozen=True)
 class Upright:
-    """A `CarriageMotion` that adds nothing to what the hands ask for."""
+    """A `CarriageMotion` that adds nothing to the posture that the hands ask for."""
 
     def at(self, t_s: float) -> Carriage:
         """The neutral carriage at any t_s."""

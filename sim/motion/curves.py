@@ -36,7 +36,7 @@ class Curve:
     closed: bool
 
     def parameter(self, phase: float) -> float:
-        """The parameter 0..1 at a phase; of a closed curve, any phase, an open one stops."""
+        """The parameter 0..1 at a phase; any phase of a closed curve; an open curve stops."""
         within = phase % 1.0 if self.closed else min(max(phase, 0.0), 1.0)
         return min(max(float(self.parameters(within)), 0.0), 1.0)
 
@@ -53,7 +53,7 @@ class Curve:
 
 
 def curve_through(points_m: Floats, closed: bool = False) -> Curve:
-    """The smooth curve through points_m (n, 3); a closed one also goes back to the first."""
+    """The smooth curve through points_m (n, 3); a closed curve also goes back to the first."""
     if closed:
         points_m = np.concatenate([points_m, points_m[:1]])
     chords = np.linalg.norm(np.diff(points_m, axis=0), axis=1)

@@ -27,7 +27,7 @@ LEAST_PIECES, MOST_PIECES = 2, 5
 
 @dataclass(frozen=True, eq=False)
 class LognormalPiece:
-    """One impulse: speed length_m * lognormal(t - onset_s; mu, sigma) along a circular arc.
+    """An impulse: speed length_m * lognormal(t - onset_s; mu, sigma) along a circular arc.
 
     Its direction is cos(phi) along + sin(phi) aside, two unit vectors (3,) at right angles; phi
     goes from from_rad to to_rad with the share of the way, which is
@@ -148,9 +148,9 @@ class TalkGesture:
         ).T
         along, aside = np.array([p.along for p in pieces]), np.array([p.aside for p in pieces])
         legs = np.repeat(np.arange(len(self.pieces)), [len(leg) for leg in self.pieces])
-        parts = np.where(legs == np.arange(len(self.pieces))[:, None], columns[3], 0.0)
+        lengths = np.where(legs == np.arange(len(self.pieces))[:, None], columns[3], 0.0)
         states = np.array([_rest(state) for state in (self.before, *self.stops)])
-        shares = parts / parts.sum(axis=1, keepdims=True)
+        shares = lengths / lengths.sum(axis=1, keepdims=True)
         return (*columns, along, aside, shares, np.diff(states, axis=0))
 
     def at(self, t_s: float, start: HandState) -> HandState:
@@ -158,7 +158,7 @@ class TalkGesture:
         if t_s >= self.end_s:
             return self.to
         onset, mu, sigma, length, first, turn, along, aside, shares, changes = self._numbers
-        # All pieces at once what `LognormalPiece.moved` does for one.
+        # As `LognormalPiece.moved`, for all pieces at once.
         share = ndtr((np.log(np.maximum(t_s - onset, 1e-12)) - mu) / sigma)
         half = 0.5 * turn * share
         chord = length * share * np.sinc(half / math.pi)
@@ -185,7 +185,7 @@ def talk_gesture(
     """A gesture from `start` by way of the stops, each leg a random sum of 2-5 pieces.
 
     peaks_mps: the peak speed of each leg by itself. pause_s: from the time when a leg is nearly
-    done to the next one's start; below 0 they run into each other. straight: the numbers of legs,
+    done to the start of the next; below 0 they run into each other. straight: the numbers of legs,
     from 0, that go straight, so that a hand comes off a table, and down on it, without dipping in.
     """
     legs, clock, here, kept = [], start_s, start, []
@@ -195,11 +195,11 @@ def talk_gesture(
         begins = min(piece.from_s for piece in leg)
         leg = tuple(_shifted(piece, clock - begins) for piece in leg)
         legs.append(leg)
-        # The next leg starts when this one is done to the last three hundredths of each impulse.
+        # The next leg starts when this leg is done to the last three hundredths of each impulse.
         nearly = max(piece.onset_s + math.exp(piece.mu + 1.9 * piece.sigma) for piece in leg)
         clock = max(nearly + pause_s, clock + 0.1)
         if float(stop.quaternion @ here.quaternion) < 0:
-            # The same turn; of its two quaternions the nearer one, as the two must not be mixed.
+            # The same turn; of its two quaternions the nearer, as the two must not be mixed.
             stop = replace(stop, quaternion=-stop.quaternion)
         kept.append(stop)
         here = stop

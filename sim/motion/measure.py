@@ -1,4 +1,4 @@
-"""Measures a performance: is it a motion that a person could make, and how fast is it?"""
+"""Measurement of a performance: whether a person could make the motion, and its speeds."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ STEP_S = 1.0 / 3.0  # the thesis's frame
 _BEND_SLACK_RAD = math.radians(3.0)  # the wrist's iteration ends within 3 degrees of its limit
 _SLACK_RAD = math.radians(0.5)
 _MOMENT_S = 0.005  # speeds are differences over this
-_BETWEEN = 4  # told speeds are judged over this share of the time between two moments
+_BETWEEN = 4  # planned speeds are judged over this share of the time between two moments
 # Upright things that a hand cannot go through; the others are small, thin or soft.
 _STANDING = {
     "post": True,
@@ -50,8 +50,8 @@ _STANDING = {
 
 @dataclass(frozen=True)
 class Speeds:
-    """How one target moves. Speeds [m/s]: median, 95 % and greatest. Displacement over 1/3 s [m] at
-    50, 90, 99 % of the moments; what a constant-velocity prediction misses there, at 50 and 90 %.
+    """Speeds of a target [m/s]: median, 95 % and greatest. step_m: displacement over 1/3 s [m] at
+    50, 90, 99 % of the moments; missed_m: error of a constant-velocity prediction, at 50 and 90 %.
     """
 
     median_mps: float
@@ -89,41 +89,41 @@ class Measures:
 
     @property
     def deepest_m(self) -> float:
-        """Its overlap."""
+        """The overlap of that pair [m]."""
         return self.penetration_m[self.deepest]
 
 
 def standing_objects(performer: Performer) -> tuple[StandingObject, ...]:
-    """What stands in the room and is never held: a hand must not go through it."""
+    """Objects that stand in the room and are never held: a hand must not go through them."""
     held = {hold.name for hold in performer.plan.holds}
     room = performer.scene.room
     return tuple(
         StandingObject(
-            thing.name,
-            thing.size_m,
-            object_at_rest(room, thing.name).position_m,
-            thing.yaw_rad,
-            round=_STANDING[thing.kind],
+            spec.name,
+            spec.size_m,
+            object_at_rest(room, spec.name).position_m,
+            spec.yaw_rad,
+            round=_STANDING[spec.kind],
         )
-        for thing in room.objects
-        if thing.name not in held and thing.kind in _STANDING
+        for spec in room.objects
+        if spec.name not in held and spec.kind in _STANDING
     )
 
 
-def overlaps_of(performer: Performer, body: Body, things: Sequence[StandingObject]) -> Penetration:
-    """How deep the arms are in anything: the body, the other arm, the table, the things."""
+def overlaps_of(performer: Performer, body: Body, objects: Sequence[StandingObject]) -> Penetration:
+    """Depths of the arms in the body, in each other, in the table and in standing objects."""
     anatomy, curls = performer.scene.anatomy, body.curls
-    found = penetration(anatomy, body.arms, curls, performer.obstacles(body.torso, body.head))
-    if not things:
-        return found
-    pairs = dict(found.pairs)
+    depths = penetration(anatomy, body.arms, curls, performer.obstacles(body.torso, body.head))
+    if not objects:
+        return depths
+    pairs = dict(depths.pairs)
     for side, arm in enumerate(body.arms):
         shape = arm_shape(anatomy, side, curls[side])
         points = shape.points(arm)
-        for thing in things:
+        for standing in objects:
             for part, chosen in enumerate(POINTS_OF_PART):
-                depth = thing.depth_m(points[chosen], shape.point_radii_m[chosen])
-                pairs[part_name(side, part), thing.name] = depth
+                depth = standing.depth_m(points[chosen], shape.point_radii_m[chosen])
+                pairs[part_name(side, part), standing.name] = depth
     return Penetration(pairs)
 
 
@@ -145,7 +145,7 @@ def _stretch(performer: Performer, arm: Arm) -> float:
 
 
 def fault_of(performer: Performer, times_s: Iterable[float]) -> str | None:
-    """Why a person could not do what the performer shows at these times, None where all is well.
+    """The reason why a person could not make this motion at these times, or None.
 
     Judged: parts inside one another, joints past their range, palms short of their targets, speed.
     """
@@ -153,16 +153,16 @@ def fault_of(performer: Performer, times_s: Iterable[float]) -> str | None:
     fault = _too_fast(performer, times)
     if fault is not None:
         return fault
-    things = standing_objects(performer)
+    objects = standing_objects(performer)
     for t_s in times:
-        fault = _fault_at(performer, performer.body(t_s), things)
+        fault = _fault_at(performer, performer.body(t_s), objects)
         if fault is not None:
             return f"at {t_s:.2f} s {fault}"
     return None
 
 
-def _fault_at(performer: Performer, body: Body, things: Sequence[StandingObject]) -> str | None:
-    overlap = overlaps_of(performer, body, things)
+def _fault_at(performer: Performer, body: Body, objects: Sequence[StandingObject]) -> str | None:
+    overlap = overlaps_of(performer, body, objects)
     if overlap.worst_m > ALLOWED_PENETRATION_M:
         part, other = overlap.worst
         return (
@@ -170,10 +170,10 @@ def _fault_at(performer: Performer, body: Body, things: Sequence[StandingObject]
             f"{1000 * ALLOWED_PENETRATION_M:.0f} mm): use another seed, or move the paths apart"
         )
     for side, arm in enumerate(body.arms):
-        for what, angle, most in _limits(performer, body, side):
+        for joint, angle, most in _limits(performer, body, side):
             if angle > most:
                 return (
-                    f"the {SIDES[side]} {what} by {math.degrees(angle):.0f} degrees "
+                    f"the {SIDES[side]} {joint} by {math.degrees(angle):.0f} degrees "
                     f"(at most {math.degrees(most):.0f})"
                 )
         stretch = _stretch(performer, arm)
@@ -188,7 +188,7 @@ def _fault_at(performer: Performer, body: Body, things: Sequence[StandingObject]
 
 
 def _too_fast(performer: Performer, times: Sequence[float]) -> str | None:
-    """Told speeds are judged between the moments too: a stroke may lie between two frames."""
+    """The fault of a planned speed, also between the moments: a stroke may lie between frames."""
     if not times:
         return None
     fine = np.interp(
@@ -211,7 +211,7 @@ def measure(performer: Performer, times_s: Iterable[float]) -> Measures:
     times = sorted(times_s)
     if not times:
         raise ValueError("measure needs at least one moment")
-    things = standing_objects(performer)
+    objects = standing_objects(performer)
     bodies = _each_once(performer)
     deepest: dict[tuple[str, str], float] = {}
     angles: list[list[float]] = []
@@ -219,7 +219,7 @@ def measure(performer: Performer, times_s: Iterable[float]) -> Measures:
     hands = -math.inf
     for t_s in times:
         body = bodies(t_s)
-        overlap = overlaps_of(performer, body, things)
+        overlap = overlaps_of(performer, body, objects)
         for pair, depth in overlap.pairs.items():
             deepest[pair] = max(deepest.get(pair, -math.inf), depth)
         hands = max(hands, overlap.hands_m)
@@ -268,11 +268,11 @@ def _speeds(bodies: Callable[[float], Body], times: Sequence[float]) -> dict[str
     steps = np.linalg.norm(second - first, axis=2)
     missed = np.linalg.norm(third - 2.0 * second + first, axis=2)
     which = {name: [index] for index, name in enumerate(TARGETS)} | {"hands": [1, 2]}
-    found = {}
+    measured = {}
     for name, columns in which.items():
         median, high = np.quantile(speeds[:, columns], (0.5, 0.95)).tolist()
         s50, s90, s99 = np.quantile(steps[:, columns], (0.5, 0.9, 0.99)).tolist()
         m50, m90 = np.quantile(missed[:, columns], (0.5, 0.9)).tolist()
         top = float(speeds[:, columns].max())
-        found[name] = Speeds(median, high, top, (s50, s90, s99), (m50, m90))
-    return found
+        measured[name] = Speeds(median, high, top, (s50, s90, s99), (m50, m90))
+    return measured

@@ -66,7 +66,7 @@ def successive(start_s: float, *ends: tuple[str, float]) -> tuple[Cue, ...]:
 
 
 class HandMotion(Protocol):
-    """A hand's whole motion, pure in t (`sim.motion.strokes.HandPath` is one)."""
+    """A hand's whole motion, a pure function of t (such as `sim.motion.strokes.HandPath`)."""
 
     def at(self, t_s: float) -> HandState:
         """The state at t_s [s], any t."""
@@ -75,7 +75,7 @@ class HandMotion(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class MotionPlan:
-    """The motion of a sequence: paths of both hands, what they hold, the body's small motions.
+    """The motion of a sequence: paths of both hands, carried objects, the body's small motions.
 
     hands, tremor: of the right and the left hand; swivel_rad: the habit of both elbows; holds:
     objects that are carried; cues: named stretches of time.
@@ -113,12 +113,12 @@ def elbow_floor(anatomy: Anatomy, table: Table, palm_m: Floats) -> float:
 
 
 def object_at_rest(room: RoomSpec, name: str) -> Transform:
-    """Where an object of the room stands before anybody moves it. Raises KeyError."""
-    for thing in room.objects:
-        if thing.name == name:
-            x, y = thing.position_xy_m
-            z = room.table_height_m if thing.base_m is None else thing.base_m
-            return Transform(np.array([x, y, z]), about_z(thing.yaw_rad))
+    """The place of an object of the room before anybody moves it. Raises KeyError."""
+    for spec in room.objects:
+        if spec.name == name:
+            x, y = spec.position_xy_m
+            z = room.table_height_m if spec.base_m is None else spec.base_m
+            return Transform(np.array([x, y, z]), about_z(spec.yaw_rad))
     raise KeyError(name)
 
 
@@ -135,7 +135,7 @@ def _relative(parent: Transform, child: Transform) -> Transform:
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A resolved moment: torso, head, arms, and what the hands were told."""
+    """A resolved moment: torso, head, arms, and the planned states of the hands."""
 
     torso: Transform
     head: Transform
@@ -160,7 +160,7 @@ class Performer:
         object.__setattr__(self, "_table", table_of(self.scene.room))
 
     def obstacles(self, torso: Transform, head: Transform) -> Obstacles:
-        """What the hands must keep out of while torso and head are there."""
+        """The obstacles of the hands while torso and head are there."""
         return Obstacles(
             self._table,
             person_solids(

@@ -1,4 +1,4 @@
-"""A bad start: hands that are crossed, or one that is hidden, before the plan begins."""
+"""Openings: bad starts with crossed hands or a hidden hand, put before a motion plan."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from sim.surfaces.assets import check_word
 
 OPENINGS = ("apart", "crossed", "hidden")
 OPENING_S = 0.7  # how long the hands stay as they are at the start
-MOVE_S = 1.0  # what a hand takes to its place
-_FOLLOWS_S = 0.15  # the lower of two crossed hands waits for the upper one to leave
+MOVE_S = 1.0  # of a hand to its place
+_FOLLOWS_S = 0.15  # the lower of two crossed hands waits for the upper hand to leave
 
 
 def with_opening(stage: Stage, plan: MotionPlan, kind: str) -> MotionPlan:
-    """The plan, begun from another start: later by what that takes, otherwise the same.
+    """The plan, begun from another start: later by the time that it takes, otherwise the same.
 
-    kind: one of OPENINGS. apart: as planned. crossed: one forearm lies over the other, each hand on
-    the other's side. hidden: one hand hangs beside the thigh, behind the table. Raises ValueError
+    kind: one of OPENINGS. apart: as planned. crossed: a forearm lies over the other, each hand on
+    the other's side. hidden: a hand hangs beside the thigh, behind the table. Raises ValueError
     for another word.
     """
     check_word("start", kind, OPENINGS)
@@ -96,7 +96,7 @@ def _path(states: Sequence[HandState], start_s: float) -> HandPath:
 
 
 def _crossed(stage: Stage, over: int) -> tuple[HandState, HandState]:
-    """Both hands on the other's side: one on the table, one whose forearm lies over the other's."""
+    """Both hands on the other's side: the first's forearm lies over the second's, on the table."""
     anatomy, room = stage.scene.anatomy, stage.scene.room
     k = anatomy.stature_m / 1.72
     states = []
@@ -117,7 +117,7 @@ def _crossed(stage: Stage, over: int) -> tuple[HandState, HandState]:
 
 
 def _above(start: HandState, goal: HandState) -> HandState:
-    """By way of there a hand passes over what may stand beside its place."""
+    """A state on the way that lets a hand pass over an object beside its place."""
     place = 0.4 * start.position_m + 0.6 * goal.position_m
     place[2] = max(float(start.position_m[2]), float(goal.position_m[2])) + 0.15
     place[0] -= 0.05

@@ -22,7 +22,7 @@ RISING_M = np.array([0.0, 0.0, 0.02])  # the bow of a stroke off the table or ba
 
 @dataclass
 class HandPlanner:
-    """Collects the moves of one hand; `clock_s` is when the last one is over."""
+    """Collects the moves of a hand; `clock_s` is when the last move is over."""
 
     first: HandState
     clock_s: float = 0.0
@@ -86,7 +86,7 @@ class HandPlanner:
 
 
 def meet(hands: tuple[HandPlanner, HandPlanner], wait_s: float = 0.0) -> float:
-    """Let both hands hold still until the later one is ready, and on for wait_s; returns when."""
+    """Let both hands hold still until the later hand is ready, and on for wait_s; returns when."""
     ready = max(hand.clock_s for hand in hands) + wait_s
     for hand in hands:
         hand.until(ready)
@@ -107,7 +107,7 @@ def resting(
     """A hand flat on the table at (x, |y|), palm down, tips a little lower than the wrist."""
     rotation = hand_rotation(side, inward_rad, math.radians(2.0), math.radians(4.0))
     curls = curled(curl, thumb=0.1)
-    # One millimetre of air, so that resting is not touching.
+    # A millimetre of air, so that resting is not touching.
     z = scene.room.table_height_m + height_above_table(scene.anatomy, side, rotation, curls) + 1e-3
     return HandState(
         np.array([x_m, OUTWARD[side] * abs(y_m), z]), quaternion_of(rotation), curls, air=0.0

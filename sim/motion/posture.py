@@ -1,4 +1,4 @@
-"""Posture: torso and head for what the hands do."""
+"""Posture: where torso and head are, given both hands."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def posture(
     sway_m: Floats,
     carriage: Carriage = NEUTRAL,
 ) -> tuple[Transform, Transform]:
-    """Torso and head for what the hands do, displaced by sway_m (3,).
+    """Torso and head for these states of the hands (right, left), displaced by sway_m (3,).
 
     The torso leans forward, up to 15 degrees, where an arm would otherwise be stretched, and as the
     carriage says; the head turns a little towards hands in the air.

@@ -1,4 +1,4 @@
-"""The stage: what a family of motion plans with; and the record of a family."""
+"""The stage: the input of a family's plan; and the record of a family of motion."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """Smooth motion in continuous time: strokes, paths of a hand, tremor and sway.
 
-Everything is a pure function of t, so that any frame rate and any order of frames see one motion.
+Everything is a pure function of t, so that any frame rate and any order of frames see the same
+motion.
 """
 
 from __future__ import annotations
@@ -62,12 +63,12 @@ def stroke_duration(way_m: Floats, bulge_m: Floats, peak_mps: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class HandState:
-    """What a hand is told to do at one moment.
+    """The planned state of a hand at a moment.
 
     position_m (3,) palm centre, world; quaternion (4,) wxyz, hand -> world; curls (5,) as in
     `sim.pose.Pose`; air: 0 rests on something, 1 held free (tremor); with_head: share of the head's
-    sway that the hand follows; nod_rad: what the head adds to its pitch (negative = back);
-    swivel_rad: what the elbow swivels outward beyond the person's habit.
+    sway that the hand follows; nod_rad: added to the head's pitch (negative = back);
+    swivel_rad: swivel of the elbow outward beyond the person's habit.
     """
 
     position_m: Floats
@@ -143,7 +144,7 @@ class Move(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Stroke:
-    """One minimum-jerk move from wherever the path is to `to`, on a path bowed by bulge_m (3,).
+    """A minimum-jerk move from wherever the path is to `to`, on a path bowed by bulge_m (3,).
 
     The bow is 4 u (1 - u) bulge_m of the travelled share u: it changes neither the ends nor, at the
     middle of the stroke, the speed, whose peak stays 1.875 A / T for bows below a quarter of A.
@@ -234,7 +235,7 @@ def between(a: HandState, b: HandState, u: float, bulge_m: Floats | None = None)
 class HandPath:
     """A hand's whole motion: where it starts, and its moves in order of time, never overlapping.
 
-    Between moves the hand holds what the last one reached.
+    Between moves the hand holds the state that the last move reached.
     """
 
     first: HandState
@@ -251,7 +252,7 @@ class HandPath:
 
     @cached_property
     def _states(self) -> list[HandState]:
-        # The state at each move's start: the last one's end, or its middle where it is broken off.
+        # The state at each move's start: the end of the move before, or where it is broken off.
         states: list[HandState] = []
         state = self.first
         for index, move in enumerate(self.moves):

@@ -124,7 +124,7 @@ def _head(assets: Assets, body: Any, anatomy: Anatomy, appearance: Appearance) -
             group,
             yaw_rad=-0.45 * y,
         )
-    # The neck hangs from the head into the collar; only what the collar leaves is seen.
+    # The neck hangs from the head into the collar; only the part above the collar is visible.
     neck = limb(0.105 * k, np.array([0.0445, 0.0435, 0.0435]) * k, sides=20, rings=4, far_cap=0.1)
     assets.add(
         body,
@@ -166,7 +166,7 @@ def _hand(
     palm: Surface,
     chain: tuple[Finger, ...],
 ) -> None:
-    """Palm and fingers; the left hand is the right one mirrored in y."""
+    """Palm and fingers; the left hand is the right hand mirrored in y."""
     group = TARGET_GROUPS[target]
     left = side == "left"
     flip = np.diag([1.0, -1.0, 1.0]) if left else np.eye(3)

@@ -34,7 +34,7 @@ class Finger:
     fist_rad: Floats
 
     def segments(self) -> tuple[Surface, ...]:
-        """One surface a segment, from its joint along x."""
+        """A surface for each segment, from its joint along x."""
         return tuple(
             limb(length, np.array([r0, 0.96 * (r0 + r1) / 2, r1]), sides=10, rings=3, end_rings=3)
             for length, r0, r1 in zip(
@@ -46,7 +46,7 @@ class Finger:
 def fingers(anatomy: Anatomy) -> tuple[Finger, ...]:
     """Thumb, index, middle, ring, little finger of the right hand."""
     long, broad = anatomy.hand_length_m / _LENGTH, anatomy.hand_breadth_m / _BREADTH
-    found = [_thumb(long, broad, anatomy)]
+    digits = [_thumb(long, broad, anatomy)]
     rows = (
         # name, knuckle x, y, z, splay [deg], length, radius
         ("index", 0.0235, 0.0305, -0.001, 6.0, 0.0720, 0.0092),
@@ -56,7 +56,7 @@ def fingers(anatomy: Anatomy) -> tuple[Finger, ...]:
     )
     for name, x, y, z, splay_deg, length, radius in rows:
         c, s = np.cos(np.radians(splay_deg)), np.sin(np.radians(splay_deg))
-        found.append(
+        digits.append(
             Finger(
                 name=name,
                 base_m=np.array([x * long, y * broad, z * broad]),
@@ -73,7 +73,7 @@ def fingers(anatomy: Anatomy) -> tuple[Finger, ...]:
                 fist_rad=np.radians([82.0, 100.0, 62.0]),
             )
         )
-    return tuple(found)
+    return tuple(digits)
 
 
 def _thumb(long: float, broad: float, anatomy: Anatomy) -> Finger:

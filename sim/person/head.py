@@ -40,7 +40,7 @@ def hair_surface(anatomy: Anatomy) -> Surface:
 
 
 def curtain_surface(anatomy: Anatomy) -> Surface:
-    """What makes hair long: it falls from the temples and the back of the head to the collar."""
+    """Long hair: it falls from the temples and the back of the head to the collar."""
     z = np.linspace(0.075, -0.132, 16)
     # height, half depth and half breadth outside, thickness, azimuth at which it begins
     table = np.array(

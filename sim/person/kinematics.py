@@ -26,7 +26,7 @@ MAX_ADDUCTION_RAD = math.radians(50.0)  # upper arm across the body, from straig
 
 @dataclass(frozen=True, eq=False)
 class Arm:
-    """One arm, world frame: joints (3,) [m]; rotations (3, 3) part -> world as in `sim.pose`.
+    """An arm, world frame: joints (3,) [m]; rotations (3, 3) part -> world as in `sim.pose`.
 
     short_m: how far the palm was pulled in because the target lay out of reach (0 = reached).
     swivel_rad: of the elbow, as it came out; swing (3,): how the elbow moves with it [m/rad].
@@ -233,7 +233,7 @@ def elbow_flexion(arm: Arm) -> float:
 def shoulder_angles(side: int, torso: Floats, arm: Arm) -> tuple[float, float]:
     """How far the upper arm points backward, and across the body, of a torso (3, 3) [rad].
 
-    Both are angles out of a plane: of the trunk's front, and the upright one through the shoulder.
+    Both are angles out of a plane: the trunk's front, the upright plane through the shoulder.
     """
     forward, left, _ = (torso.T @ arm.upper_arm[:, 0]).tolist()
     inward = -OUTWARD[side] * left

@@ -26,7 +26,7 @@ COLLAR_TOP_M = 0.088  # above the mid-shoulder point
 def add_torso(assets: Assets, body: Any, anatomy: Anatomy, shirt: str) -> None:
     """Add chest, waist and collar, clothed with the material `shirt`, to the posed body."""
     assets.add(body, "torso", tailored(torso_surface(anatomy), 2, share=1.0), shirt, CLOTHES)
-    # The collar goes with the head's group: it is what hides the neck of a head that nothing else
+    # The collar goes with the head's group: it hides the neck of a head that nothing else
     # hides, so the amodal pass shows it.
     collar = revolved(
         np.array(

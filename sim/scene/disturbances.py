@@ -1,4 +1,4 @@
-"""What disturbs a scene without belonging to it: a passing shadow, other skin, a changed room.
+"""Disturbances of a scene: a passing shadow, other skin that moves, a changed room.
 
 None of it touches the person, and none is a target.
 """
@@ -30,7 +30,7 @@ ABSENT = Transform(np.array([0.0, 0.0, -4.0]), np.eye(3))
 
 _SCREEN_M = (0.02, 0.30, 1.0)
 _SCREEN_FROM_AIM_M = 2.45  # towards the light, which is 3 m away: behind and above the cameras
-_SWEPT_M = np.array([0.30, 0.0, 0.90])  # the middle of what the shadow sweeps over
+_SWEPT_M = np.array([0.30, 0.0, 0.90])  # the middle of the space over which the shadow sweeps
 _SWEEP_M = 0.75
 _ARM_M = (0.62, 0.075, 0.075)
 
@@ -39,7 +39,7 @@ _ARM_M = (0.62, 0.075, 0.075)
 class Swing:
     """A `sim.scene.extras.Track`: to and fro about a place, as a cosine, with a bob beside it.
 
-    middle_m, reach_m, bob_m (3,); at t = 0 the thing is at middle_m + reach_m, at rest but for the
+    middle_m, reach_m, bob_m (3,); at t = 0 the object is at middle_m + reach_m, at rest but for the
     bob. rotation (3, 3) stays.
     """
 
@@ -67,7 +67,7 @@ class Swing:
 
 
 def together(all_extras: Iterable[Extras]) -> Extras:
-    """Several disturbances at once; their things have different names."""
+    """Several disturbances at once; the names of their objects differ."""
     objects: list[ObjectSpec] = []
     tracks: dict[str, Track] = {}
     learnt: dict[str, Transform] = {}
@@ -121,11 +121,11 @@ def mover(
     rng: np.random.Generator,
     duration_s: float,
 ) -> Extras:
-    """Something else of the colour of skin that moves, one of MOVERS.
+    """A moving object of the colour of skin, one of MOVERS.
 
     arm: somebody beside the table reaches over its edge, and draws back, again and again, beyond
-    the person's hands. balloon: one floats to and fro behind the person. duration_s: in which it is
-    to come and go.
+    the person's hands. balloon: a balloon floats to and fro behind the person. duration_s: in which
+    it is to come and go.
     """
     check_word("mover", kind, MOVERS)
     if kind == "none":
@@ -160,19 +160,19 @@ def _period(rng: np.random.Generator, usual_s: tuple[float, float], duration_s: 
 
 
 def _swinging(
-    thing: ObjectSpec, middle_m: Floats, reach_m: Floats, period_s: float, bob_m: Floats
+    spec: ObjectSpec, middle_m: Floats, reach_m: Floats, period_s: float, bob_m: Floats
 ) -> Extras:
-    return _moving(thing, Swing(middle_m, reach_m, period_s, about_z(thing.yaw_rad), bob_m))
+    return _moving(spec, Swing(middle_m, reach_m, period_s, about_z(spec.yaw_rad), bob_m))
 
 
-def _moving(thing: ObjectSpec, track: Track) -> Extras:
+def _moving(spec: ObjectSpec, track: Track) -> Extras:
     return Extras(
-        (thing,), MappingProxyType({thing.name: track}), MappingProxyType({thing.name: ABSENT})
+        (spec,), MappingProxyType({spec.name: track}), MappingProxyType({spec.name: ABSENT})
     )
 
 
 def background_change(kind: str, table_near_x_m: float, rng: np.random.Generator) -> Extras:
-    """Something of wood that came into the room after the background was learnt, one of CHANGES.
+    """A wooden object that came into the room after the background was learnt, one of CHANGES.
 
     box: a block on the table, beside the person's hands; picture: on the wall; chair: behind.
     """
@@ -181,7 +181,7 @@ def background_change(kind: str, table_near_x_m: float, rng: np.random.Generator
         return NO_EXTRAS
     side = 1.0 if rng.random() < 0.5 else -1.0
     turn = float(rng.uniform(-0.4, 0.4))
-    thing = {
+    spec = {
         "box": ObjectSpec(
             "changed_box",
             "block",
@@ -208,4 +208,4 @@ def background_change(kind: str, table_near_x_m: float, rng: np.random.Generator
             base_m=0.0,
         ),
     }[kind]
-    return Extras((thing,), learnt=MappingProxyType({thing.name: ABSENT}))
+    return Extras((spec,), learnt=MappingProxyType({spec.name: ABSENT}))

@@ -1,4 +1,4 @@
-"""Things that move or change by themselves, beside what the person does."""
+"""Objects that move or change by themselves, without the person."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from sim.specs import ObjectSpec
 
 
 class Track(Protocol):
-    """Where a thing is over time, pure in t."""
+    """The place of an object over time, a pure function of t."""
 
     def at(self, t_s: float) -> Transform:
         """The place at t_s >= 0 [s]."""
@@ -36,7 +36,7 @@ NO_EXTRAS = Extras()
 
 @dataclass(frozen=True, eq=False)
 class WithExtras:
-    """A `sim.script.Script` with things that move by themselves added to its poses."""
+    """A `sim.script.Script` with objects that move by themselves added to its poses."""
 
     script: Script
     extras: Extras

@@ -1,4 +1,4 @@
-"""The room: floor, walls, table, chair, things on the table, lights."""
+"""The room: floor, walls, table, chair, objects on the table, lights."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from sim.vectors import about_z
 
 WALL_X, SIDE_Y, HEIGHT, FRONT_X = -1.55, 2.1, 2.7, 2.6  # the room [m]
 TOP_M = 0.028  # thickness of the table top
-AIM_M = np.array([0.1, 0.0, 0.95])  # what the lights point at
+AIM_M = np.array([0.1, 0.0, 0.95])  # the point at which the lights aim
 _FACING: Quaternion = (0.5, 0.5, 0.5, 0.5)  # a plane's x, y, z to the world's y, z, x
 _FROM_RIGHT: Quaternion = (0.7071068, -0.7071068, 0.0, 0.0)  # normal +y
 _FROM_LEFT: Quaternion = (0.7071068, 0.7071068, 0.0, 0.0)  # normal -y
@@ -27,8 +27,8 @@ def add_room(assets: Assets, room: RoomSpec) -> None:
     _furniture(assets)
     _table(assets, room)
     _chair(assets)
-    for thing in room.objects:
-        add_object(assets, room, thing)
+    for spec in room.objects:
+        add_object(assets, room, spec)
     _lights(assets, room)
 
 
@@ -183,7 +183,7 @@ def key_direction(azimuth_rad: float) -> Floats:
 
 
 def _lights(assets: Assets, room: RoomSpec) -> None:
-    """One light with shadows, one without, and an ambient head light, all of one colour.
+    """Add a light with shadows, a light without, and an ambient head light, all of the same colour.
 
     A head light with more than an ambient part would move with the camera and light the two views
     differently.

@@ -1,4 +1,4 @@
-"""One compiled scene: model, data, cameras, and which geom shows which target."""
+"""A compiled scene: model, data, cameras, and which geom shows which target."""
 
 from __future__ import annotations
 
@@ -50,19 +50,19 @@ class World:
     scene: SceneSpec | None = None
 
     def place(self, pose: Pose) -> None:
-        """Pose all parts; objects that the pose does not name stay where they are.
+        """Pose the person and the objects; objects that the pose does not name stay where they are.
 
         Raises KeyError for an object that the scene does not have.
         """
         assert self.scene is not None, "only a scene with a person has a pose"
-        parts: dict[str, Transform] = {"torso": pose.torso, "head": pose.head}
+        places: dict[str, Transform] = {"torso": pose.torso, "head": pose.head}
         for side, upper, fore, hand in zip(
             SIDES, pose.upper_arms, pose.forearms, pose.hands, strict=True
         ):
-            parts |= {f"upper_arm:{side}": upper, f"forearm:{side}": fore, f"hand:{side}": hand}
-        parts |= {f"object:{name}": at for name, at in pose.objects.items()}
+            places |= {f"upper_arm:{side}": upper, f"forearm:{side}": fore, f"hand:{side}": hand}
+        places |= {f"object:{name}": at for name, at in pose.objects.items()}
         mujoco = load_mujoco()
-        for name, at in parts.items():
+        for name, at in places.items():
             if name not in self.bodies:
                 known = sorted(n.partition(":")[2] for n in self.bodies if n.startswith("object:"))
                 raise KeyError(f"the pose moves {name!r}, the scene has the objects {known}")

@@ -30,7 +30,7 @@ class Assets:
         self._meshes: set[str] = set()
 
     def rng(self, stream: str) -> np.random.Generator:
-        """Random numbers for one texture."""
+        """The random generator of a texture."""
         return generator(self._seed, f"texture/{stream}")
 
     def quaternion(self, rotation: Floats) -> Quaternion:
@@ -48,7 +48,7 @@ class Assets:
         shininess: float = 0.1,
         emission: float = 0.0,
     ) -> str:
-        """A material of one colour; its name."""
+        """Add a material of a single colour; returns its name."""
         self.spec.add_material(
             name=name,
             rgba=[*rgb, 1.0],
@@ -218,7 +218,7 @@ def turned(yaw_rad: float) -> Quaternion:
     return (float(np.cos(yaw_rad / 2)), 0.0, 0.0, float(np.sin(yaw_rad / 2)))
 
 
-def check_word(what: str, word: str, known: Collection[str]) -> None:
+def check_word(field: str, word: str, known: Collection[str]) -> None:
     """Raises ValueError for a word that is not among the known."""
     if word not in known:
-        raise ValueError(f"{what} must be one of {', '.join(known)}, got {word!r}")
+        raise ValueError(f"{field} must be one of {', '.join(known)}, got {word!r}")

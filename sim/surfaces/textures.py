@@ -64,7 +64,7 @@ def wood(rng: np.random.Generator, rgb: RGB, planks: int = 5, size: int = 512) -
 
 
 def cloth(rng: np.random.Generator, rgb: RGB, pattern: str = "plain", size: int = 256) -> Texture:
-    """Woven cloth with soft wrinkles, with one of PATTERNS printed on it.
+    """Woven cloth with soft wrinkles, with a pattern of PATTERNS printed on it.
 
     STRIPES bands along the rows, as many checks along the columns: a piece of a whole share of the
     width closes without a seam.
@@ -88,7 +88,7 @@ def cloth(rng: np.random.Generator, rgb: RGB, pattern: str = "plain", size: int 
 
 
 def second_colour(rgb: Floats) -> Floats:
-    """What a pattern is printed with: light on dark cloth, dark on light cloth, of the same hue."""
+    """The ink of a printed pattern: light on dark cloth, dark on light cloth, of the same hue."""
     if rgb.max() < 0.62:
         return np.asarray(0.70 * np.array([0.93, 0.95, 1.0]) + 0.16 * rgb)
     return np.asarray(0.42 * rgb)

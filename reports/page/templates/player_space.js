@@ -40,9 +40,9 @@ function drawSpace(ep, i, show) {
   ctx.lineWidth = 1; ctx.strokeStyle = ink.grid; ctx.fillStyle = ink.soft; ctx.textAlign = "center";
   const step = nice(Math.max(...high.map((v, a) => v - low[a])) / 5);
   const ticks = (a) => {
-    const found = [];
-    for (let n = Math.ceil(low[a] / step - 1e-6); n * step <= high[a] + 1e-6; n++) found.push(n * step);
-    return found;
+    const values = [];
+    for (let n = Math.ceil(low[a] / step - 1e-6); n * step <= high[a] + 1e-6; n++) values.push(n * step);
+    return values;
   };
   // The floor of the box, its numbers on the two edges that are nearer to the viewer.
   const ex = cy > 0 ? high[0] : low[0], ey = sy > 0 ? high[1] : low[1];

@@ -16,7 +16,7 @@ from sim.motion.stage import Value
 
 
 class Numeric(Record):
-    """A number: unit, range [least, greatest], and what it nominally is."""
+    """A number: unit, range [least, greatest], and nominal distribution."""
 
     unit: Unit
     range: tuple[Number, Number]

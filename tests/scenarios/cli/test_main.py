@@ -7,8 +7,6 @@ import sys
 import pytest
 from commands import ROOT, assert_one_line, bench, in_this_process
 
-from scenarios.spec.names import scenario_names
-
 
 @pytest.mark.parametrize(
     ("words", "fragments"),
@@ -76,41 +74,6 @@ def test_an_unwritable_folder(tmp_path):
 def test_a_broken_mujoco_gl_is_one_line_and_exit_code_5(value, tmp_path):
     done = bench("run", "cross", "--seeds", "1", "--out", tmp_path / "run", MUJOCO_GL=value)
     assert_one_line(done, 5, "MUJOCO_GL", value)
-
-
-def test_doctor_is_content_here_and_not_with_a_broken_mujoco_gl():
-    good = bench("doctor")
-    assert good.returncode == 0, good.stdout
-    assert "self-test" in good.stdout
-    assert "FAIL" not in good.stdout
-    bad = bench("doctor", MUJOCO_GL="potato")
-    assert bad.returncode == 5
-    assert "FAIL" in bad.stdout
-    assert "potato" in bad.stdout
-
-
-def test_scenarios_list_show_validate_schema(tmp_path):
-    def bench(*words):
-        return in_this_process(*words)
-
-    listed = bench("scenarios", "list").stdout
-    for name in ("calm_table", "drink", "cross", "bounce", "speed_ladder", "smoke"):
-        assert name in listed
-    shown = bench("scenarios", "show", "cross", "--seed", "3").stdout
-    assert "depth_gap" in shown
-    assert "seed 3" in shown
-    suite = bench("scenarios", "show", "core").stdout
-    assert "digest: " in suite
-    assert "drink+beard_glasses" in suite
-    dim = bench("scenarios", "show", "cross", "--set", "light_gain=0.31").stdout
-    assert "0.31" in dim
-    good = bench("scenarios", "validate", *sorted((ROOT / "scenarios/catalog").glob("*.yaml")))
-    assert good.returncode == 0
-    assert good.stdout.count(": ok") == len(scenario_names())
-    bad = tmp_path / "bad.yaml"
-    bad.write_text("name: [")
-    assert bench("scenarios", "validate", bad).returncode == 2
-    assert '"properties"' in bench("scenarios", "schema").stdout
 
 
 def test_help_loads_nothing_heavy():
