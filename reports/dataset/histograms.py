@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 
-from reports.page.bars import counted_bars
+from reports.page.charts.bars import counted_bars
 from sim.dataset.histograms import Histogram, shares
 
 

@@ -11,7 +11,8 @@ import numpy as np
 from pjpdaf.targets import TARGETS
 from reports.dataset import label_colours
 from reports.dataset.event_rows import event_rows
-from reports.page.recording import (
+from reports.pictures.encode import jpeg_of
+from reports.rerun.recording import (
     CORNER_PX,
     QUALITY,
     TARGET_RGB,
@@ -19,7 +20,6 @@ from reports.page.recording import (
     identity_of,
     write_recording,
 )
-from reports.pictures.encode import jpeg_of
 from reports.summary.text import LABELS as WORDS
 from sim.dataset.files.layout import DEPTH_UNIT_M, picture_name
 from sim.dataset.labels.records import OCCLUDED, VISIBLE

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import pandas as pd
 from markupsafe import Markup
 
-from reports.page.bars import stacked_bars
+from reports.page.charts.bars import stacked_bars
 from reports.page.event_text import stage_text
 from reports.run.load import SavedRun
 from reports.summary.budget import Budget, budget_of

@@ -12,9 +12,9 @@ import pandas as pd
 from markupsafe import Markup
 
 from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND, TARGETS
+from reports.page.charts.line_chart import Series, line_chart
+from reports.page.charts.path_chart import path_chart
 from reports.page.episode_tables import EpisodeTables
-from reports.page.line_chart import Series, line_chart
-from reports.page.path_chart import path_chart
 from reports.score.score import quantile
 from reports.summary.text import LABELS
 

@@ -15,7 +15,7 @@ RunFolder = Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a save
 DatasetFolder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a data set.")]
 
 PresetName = Annotated[
-    str, typer.Option(help="Detector and tracker of this preset: thesis, thesis-literal.")
+    str, typer.Option(help="Detector and tracker of this preset: default, thesis, thesis-literal.")
 ]
 PlugInName = Annotated[str | None, typer.Option(help="Preset, entry point or module:factory.")]
 ScenarioSettings = Annotated[

@@ -111,7 +111,7 @@ def report(
     if rerun is not None:
         if len(runs) != 1 or out is not None:
             raise BenchError("--rerun takes one run, and goes without --out.")
-        from reports.page.rerun import write_rerun
+        from reports.rerun.run import write_rerun
         from reports.run.load import load
         from scenarios.console.interrupts import unwritten_if_interrupted
 

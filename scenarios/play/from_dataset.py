@@ -30,10 +30,10 @@ def job_of_sequence(sequence: StoredSequence) -> Job:
     """
     recipe = read_recipe(sequence.recipe, sequence.folder)
     job = recipe.job
-    for name, found in (("label", job.name), ("seed", job.seed)):
-        if sequence.entry.get(name) != found:
+    for name, value in (("label", job.name), ("seed", job.seed)):
+        if sequence.entry.get(name) != value:
             raise BenchError(
-                f"{sequence.folder / 'recipe.json'}: its {name} is {found!r}, in the manifest it "
+                f"{sequence.folder / 'recipe.json'}: its {name} is {value!r}, in the manifest it "
                 f"is {sequence.entry.get(name)!r}; one of them was edited."
             )
     return replace(job, kept=sequence.folder.absolute(), size_px=recipe.settings.size_px)
@@ -47,9 +47,9 @@ def jobs_of_dataset(
     pictures: keep some of the first seed of each name; films: keep all of all. Raises BenchError
     for a recipe that cannot be read, a name or detector or tracker that does not exist.
     """
-    # Of a copy: what a sequence has read would stay with it, and there may be thousands.
-    found = [job_of_sequence(replace(one)) for one in dataset.sequences]
-    jobs = [replace(job, system=system, keep_film=films) for job in found]
+    # Of copies: a sequence keeps the tables that it has read, and there may be thousands.
+    jobs = [job_of_sequence(replace(sequence)) for sequence in dataset.sequences]
+    jobs = [replace(job, system=system, keep_film=films) for job in jobs]
     names = list(dict.fromkeys(job.name for job in jobs))
     for name in only:
         if name not in names:

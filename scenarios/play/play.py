@@ -1,4 +1,4 @@
-"""One episode: footage -> detector -> tracker -> what is scored."""
+"""One episode: footage -> detector -> tracker -> the records that are scored."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def play_footage(
     steps = follow((frame for frame, _ in for_loop), learnt, tracker)
     for step, (_, truth) in zip(steps, for_scores, strict=False):
         stages_s = {"render": step.render_s, "detect": step.detect_s, "track": step.track_s}
-        slim = tuple(replace(view, mask=None) for view in step.detections)
+        slim = tuple(replace(view, mask=None, looks=None) for view in step.detections)
         outcomes.append(FrameOutcome(truth, step.estimates, slim, stages_s))
         on_frame(step, truth)
     return Episode(

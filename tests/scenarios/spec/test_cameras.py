@@ -6,7 +6,7 @@ import pytest
 from pjpdaf.errors import BenchError
 from reports.score.records import Episode
 from scenarios.play.job import Job, System
-from scenarios.play.play import play
+from scenarios.play.play import play, play_complete
 from scenarios.spec.cameras import PARAMETERS
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
@@ -121,7 +121,7 @@ def test_an_episode_with_every_effect_is_tracked_to_its_end():
         "calibration_baseline": 2,
         "calibration_rot_y": 0.1,
     }
-    episode = play(Job(CALM, SEED, changes, System(), keep_pictures=True))
+    episode = play_complete(Job(CALM, SEED, changes, System(), keep_pictures=True))
     assert isinstance(episode, Episode)
     assert len(episode.frames) == 10
     missing = [d.missing for outcome in episode.frames for d in outcome.detections]

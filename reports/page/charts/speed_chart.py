@@ -7,7 +7,7 @@ import pandas as pd
 from markupsafe import Markup
 
 from pjpdaf.targets import TARGETS
-from reports.page.line_chart import Series, line_chart
+from reports.page.charts.line_chart import Series, line_chart
 from reports.summary.text import LABELS
 from sim.event_names import stroke_speed_mps
 

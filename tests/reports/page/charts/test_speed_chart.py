@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.page.speed_chart import label_speeds, speed_chart, speed_series
+from reports.page.charts.speed_chart import label_speeds, speed_chart, speed_series
 from reports.run.load import load
 from reports.run.save import RunInfo, save
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from markupsafe import Markup, escape
 
 from pjpdaf.targets import TARGETS
-from reports.page.svg import RIGHT, WIDTH, Axis, svg
+from reports.page.charts.svg import RIGHT, WIDTH, Axis, svg
 from reports.summary.text import LABELS
 
 _COUNTED_WIDTH, _LINE, _TOP, _LEFT, _LONGEST = 460, 21, 34, 128, 190

@@ -7,8 +7,8 @@ from typing import Any
 
 from pjpdaf.errors import BenchError
 from reports.page.episode_tables import episode_tables
-from reports.page.recording import Entities, check_suffix, identity_of, write_recording
-from reports.page.rerun_entities import log_episode
+from reports.rerun.recording import Entities, check_suffix, identity_of, write_recording
+from reports.rerun.run_entities import log_episode
 from reports.run.films import read_film
 from reports.run.load import SavedRun
 from reports.score.records import VIEWS

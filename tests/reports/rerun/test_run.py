@@ -13,9 +13,9 @@ from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.frames import StereoFrame
 from pjpdaf.targets import TARGETS
 from reports.page.episode_tables import episode_tables
-from reports.page.rerun import recording_id, write_rerun
-from reports.page.rerun_entities import CORNER_PX, TRAIL_S
 from reports.pictures.stills import still
+from reports.rerun.run import recording_id, write_rerun
+from reports.rerun.run_entities import CORNER_PX, TRAIL_S
 from reports.run.load import load
 from reports.run.save import RunInfo, save, save_slim
 from reports.score.records import VIEWS, Still

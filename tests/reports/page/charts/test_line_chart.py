@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
-from reports.page.line_chart import Series, line_chart
+from reports.page.charts.line_chart import Series, line_chart
 
 
 def elements(chart, name):

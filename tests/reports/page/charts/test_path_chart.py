@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
-from reports.page.path_chart import path_chart
+from reports.page.charts.path_chart import path_chart
 
 
 def elements(chart, name):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reports.page.svg import path_data, round_step
+from reports.page.charts.svg import path_data, round_step
 
 
 def test_a_line_is_lifted_where_there_is_nothing():

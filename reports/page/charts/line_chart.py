@@ -10,7 +10,18 @@ import numpy as np
 from markupsafe import Markup, escape
 
 from pjpdaf.arrays import Floats
-from reports.page.svg import BOTTOM, LEFT, RIGHT, TOP, WIDTH, Axis, legend, marker, path_data, svg
+from reports.page.charts.svg import (
+    BOTTOM,
+    LEFT,
+    RIGHT,
+    TOP,
+    WIDTH,
+    Axis,
+    legend,
+    marker,
+    path_data,
+    svg,
+)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 import pytest
 
 from reports.dataset.histograms import bin_names
-from reports.page.bars import counted_bars, stacked_bars
+from reports.page.charts.bars import counted_bars, stacked_bars
 
 
 def elements(chart, name):

@@ -1,0 +1,1 @@
+"""Charts as SVG: bars, lines, the speed curve, paths in space."""
