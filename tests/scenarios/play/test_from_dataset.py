@@ -30,11 +30,11 @@ from sim.dataset.writer import write_sequence
 from sim.sequence import Simulation
 
 ROOT = Path(__file__).parents[3]
-LEARNT = {"background_frames": 10}
 
 
 def job(name, seed, label="", **overrides):
-    return Job(load_scenario(name), seed, {**LEARNT, **overrides}, System(), label=label)
+    values = {"background_frames": 10, **overrides}
+    return Job(load_scenario(name), seed, values, System(), label=label)
 
 
 # A rung of a ladder; pictures that are lost, and a calibration with an error.
