@@ -10,6 +10,7 @@ import numpy as np
 
 from pjpdaf.arrays import Floats, readonly
 from pjpdaf.frames import StereoFrame
+from pjpdaf.looks import BlobLooks
 
 STATUSES = ("waiting", "tracked", "coasting", "lost")
 
@@ -24,6 +25,7 @@ class Detections:
     mask: optional uint8 (h, w) of the accepted skin pixels.
     evidence: optional (n, T), the log-likelihood of each blob's appearance if it shows target t,
     up to a constant for each blob; -inf rules the target out; None = no evidence.
+    looks: optional, what else the picture shows of the blobs; not kept in saved runs.
     Raises ValueError for another shape, or for evidence that is NaN or +inf.
     """
 
@@ -34,6 +36,7 @@ class Detections:
     missing: bool = False
     mask: np.ndarray | None = field(default=None, repr=False)
     evidence: Floats | None = None
+    looks: BlobLooks | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         n = len(self.centres_px)

@@ -71,7 +71,7 @@ class SkinDetector:
         """
         sums = tuple(BackgroundSums() for _ in self.cameras)
         for frame in background:
-            for view, picture in enumerate(self._pictures(frame)):
+            for view, picture in enumerate(self.checked(frame)):
                 if picture is not None:
                     sums[view].add(picture)
         least = self.parameters.background.background_learn_min
@@ -88,7 +88,7 @@ class SkinDetector:
             Detections.none(missing=True)
             if picture is None
             else self._detect(view, picture, predicted)
-            for view, picture in enumerate(self._pictures(frame))
+            for view, picture in enumerate(self.checked(frame))
         )
 
     def segment(self, view: int, picture: np.ndarray, min_area_px: float) -> Segments:
@@ -115,7 +115,7 @@ class SkinDetector:
         covariances = np.broadcast_to(p.centre_sd_px**2 * np.eye(2), (len(fit), 2, 2))
         return Detections(fit.centres, covariances, ellipse_axes(fit), fit.areas, mask=mask)
 
-    def _pictures(self, frame: StereoFrame) -> tuple[np.ndarray | None, ...]:
+    def checked(self, frame: StereoFrame) -> tuple[np.ndarray | None, ...]:
         """Check the frame's pictures, and undistort them where whole pictures are undistorted."""
         if len(frame.pictures) != len(self.cameras):
             raise BenchError(

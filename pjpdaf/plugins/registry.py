@@ -19,6 +19,8 @@ from pjpdaf.presets.flat import flat_names
 from pjpdaf.presets.override import override
 from pjpdaf.presets.registry import PRESETS, find_preset
 from pjpdaf.tracker.filter import PJPDAF
+from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
+from pjpdaf.tracker.hypotheses.tracker import HypothesisTracker
 from pjpdaf.tracker.parameters import TrackerParameters
 
 DETECTORS = "pjpdaf_bench.detectors"
@@ -66,7 +68,10 @@ def make_tracker(
     checked and left to `make_detector`. Raises BenchError.
     """
     if name in PRESETS:
-        return PJPDAF(cameras, override(find_preset(name), overrides or {}).tracker)
+        parameters = override(find_preset(name), overrides or {}).tracker
+        if isinstance(parameters, HypothesisParameters):
+            return HypothesisTracker(cameras, parameters)
+        return PJPDAF(cameras, parameters)
     _refuse_overrides("tracker", name, overrides, flat_names(TrackerParameters))
     methods = ("start", "step", "estimates", "predict")
     return cast(AnyTracker, _build("tracker", TRACKERS, name, cameras, methods))
@@ -83,13 +88,14 @@ def make_detector(
     background: person-free frames to learn from at once. Otherwise as `make_tracker`.
     """
     if name in PRESETS:
-        from pjpdaf.detector.detector import (
-            SkinDetector,  # late: trackers do not need OpenCV's k-means
-        )
+        # Late: trackers do not need OpenCV's k-means.
+        from pjpdaf.detector.blob_detector import BlobDetector
+        from pjpdaf.detector.detector import SkinDetector
 
-        detector: Detector = SkinDetector(
-            cameras, override(find_preset(name), overrides or {}).detector
-        )
+        preset = override(find_preset(name), overrides or {})
+        detector: Detector = SkinDetector(cameras, preset.detector)
+        if isinstance(preset.tracker, HypothesisParameters):
+            detector = BlobDetector.of(cameras, preset.detector)
     else:
         _refuse_overrides("detector", name, overrides, flat_names(DetectorParameters))
         detector = cast(

@@ -16,12 +16,15 @@ from pjpdaf.detector.undistortion import UNDISTORTIONS
 from pjpdaf.tracker.clutter import CLUTTER_READINGS
 from pjpdaf.tracker.fusion.missed import MISSED_RULES
 from pjpdaf.tracker.fusion.registry import FUSIONS
+from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 from pjpdaf.tracker.measurement import MEASUREMENT_MODELS
 from pjpdaf.tracker.occlusion import OCCLUSION_RULES
 from pjpdaf.tracker.parameters import TrackerParameters
 from pjpdaf.tracker.process import NOISE_GROWTHS
 
-Parameters = TypeVar("Parameters", DetectorParameters, TrackerParameters)
+Parameters = TypeVar(
+    "Parameters", bound=DetectorParameters | TrackerParameters | HypothesisParameters
+)
 
 # Parameter -> word -> variant: the only place where a word becomes an object.
 VARIANTS: Mapping[str, Mapping[str, object]] = {
@@ -64,7 +67,9 @@ def flat_names(record: type) -> tuple[str, ...]:
     return tuple(leaf.name for leaf in leaves(record))
 
 
-def flat_values(record: DetectorParameters | TrackerParameters) -> dict[str, Any]:
+def flat_values(
+    record: DetectorParameters | TrackerParameters | HypothesisParameters,
+) -> dict[str, Any]:
     """Flat name -> value, variants by their words of the command line."""
     return {
         leaf.name: _word(leaf.name, functools.reduce(getattr, leaf.path, record))

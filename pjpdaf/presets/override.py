@@ -12,7 +12,6 @@ from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.errors import did_you_mean
 from pjpdaf.presets.flat import VARIANTS, Parameters, flat_names, leaves, replaced
 from pjpdaf.presets.record import Preset
-from pjpdaf.tracker.parameters import TrackerParameters
 
 
 def with_values(record: Parameters, values: Mapping[str, object]) -> Parameters:
@@ -41,7 +40,7 @@ def override(preset: Preset, values: Mapping[str, object]) -> Preset:
     changes: dict[str, dict[str, object]] = {"detector": {}, "tracker": {}}
     names = {
         "detector": flat_names(DetectorParameters),
-        "tracker": flat_names(TrackerParameters),
+        "tracker": flat_names(type(preset.tracker)),
     }
     for key, value in values.items():
         prefix, _, name = key.rpartition(".")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pjpdaf.detector.parameters import DetectorParameters
+from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 from pjpdaf.tracker.parameters import TrackerParameters
 
 
@@ -26,9 +27,12 @@ class Departure:
 
 @dataclass(frozen=True)
 class Preset:
-    """A named pair of parameter records and the departures they stand for."""
+    """A named pair of parameter records and the departures they stand for.
+
+    The type of the tracker's record says which tracker and detector they are of.
+    """
 
     name: str
     detector: DetectorParameters
-    tracker: TrackerParameters
+    tracker: TrackerParameters | HypothesisParameters
     departures: tuple[Departure, ...]

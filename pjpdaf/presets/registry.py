@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 
 from pjpdaf.errors import BenchError, did_you_mean
+from pjpdaf.presets.default import DEFAULT
 from pjpdaf.presets.record import Preset
 from pjpdaf.presets.thesis import THESIS
 from pjpdaf.presets.thesis_literal import THESIS_LITERAL
@@ -17,7 +18,9 @@ class UnknownPreset(BenchError):
         super().__init__(f"No preset {name!r}.{did_you_mean(name, known)}")
 
 
-PRESETS: Mapping[str, Preset] = {preset.name: preset for preset in (THESIS_LITERAL, THESIS)}
+PRESETS: Mapping[str, Preset] = {
+    preset.name: preset for preset in (THESIS_LITERAL, THESIS, DEFAULT)
+}
 
 
 def find_preset(name: str) -> Preset:

@@ -9,6 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from pjpdaf.camera import undistort_picture
+from pjpdaf.detector.blob_detector import BlobDetector
 from pjpdaf.detector.detector import SkinDetector
 from pjpdaf.detector.skin import SkinRange, learn_skin_from_head
 from pjpdaf.detector.undistortion import UndistortPicture
@@ -31,19 +32,26 @@ def learn_scene(session: TrackSession, warn: Callable[[str], None]) -> TrackSess
 
     Returns the session with the detector that has learnt them.
     """
+    if session.request.detections is not None:
+        return session
     detector = learn_background(session, warn)
     if session.request.skin_sample != Path(HEAD):
         return dataclasses.replace(session, detector=detector)
-    if not isinstance(detector, SkinDetector):
+    base = detector.base if isinstance(detector, BlobDetector) else detector
+    if not isinstance(base, SkinDetector):
         raise BenchError(f"--skin-sample {HEAD} is of the presets' detector; give a picture.")
-    values = asdict(skin_of_head(session, detector))
+    values = asdict(skin_of_head(session, base))
     given = read_settings(session.request.settings).detector
     values = {key: value for key, value in values.items() if key not in given}
-    parameters = with_values(detector.parameters, values)
+    parameters = with_values(base.parameters, values)
+    changed = dataclasses.replace(base, parameters=parameters)
+    taught: Detector = changed
+    if isinstance(detector, BlobDetector):
+        taught = dataclasses.replace(detector, base=changed)
     named = {f"detector.{key}": value for key, value in values.items()}
     return dataclasses.replace(
         session,
-        detector=dataclasses.replace(detector, parameters=parameters),
+        detector=taught,
         parameters={**session.parameters, **named},
         changed={**session.changed, **named},
     )

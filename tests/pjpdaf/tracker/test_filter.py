@@ -29,7 +29,7 @@ def look(points: np.ndarray, world: PointWorld = CLEAN, seed: int = 0) -> tuple[
     return world.see(CAMERAS, points, np.random.default_rng(seed))
 
 
-@pytest.mark.parametrize("name", sorted(PRESETS))
+@pytest.mark.parametrize("name", ["thesis", "thesis-literal"])
 def test_every_tracker_fulfils_the_protocol(name: str) -> None:
     tracker = make_tracker(name, CAMERAS)
     assert tracker.start((Detections.none(), Detections.none())) is None

@@ -1,0 +1,1 @@
+"""Hypothesis tracker: joint configurations of head and hands over stereo candidates."""

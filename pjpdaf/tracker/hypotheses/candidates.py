@@ -1,0 +1,145 @@
+"""Candidates: places in one view at which a hand may be: blobs and parts of blobs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from pjpdaf.arrays import Floats, Ints
+from pjpdaf.looks import CLOTHED
+from pjpdaf.tracker.hypotheses.blobs import Blobs
+from pjpdaf.tracker.hypotheses.parameters import CandidateParameters
+from pjpdaf.tracker.hypotheses.split import ends, halves, outside, pieces
+
+WHOLE, HALF, OTHER_HALF, BESIDE, END, OTHER_END = range(6)  # parts of a blob
+LONGEST_FINGERS = 0.4  # of the square root of the area
+CLOTH_M = 0.045  # around the tip of an arm, where a sleeve would show
+CLOTH_COST = 5.0  # of an end with a sleeve while the other has none
+PIECES = 3  # beside the head, at most
+
+
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """Candidates of one view.
+
+    centres_px (c, 2); areas_px (c,); blob (c,) and part (c,), WHOLE .. OTHER_END; palm_px (c, 2)
+    from the centre to the middle of the palm, 0 for parts; cost (c,) of each by itself.
+    """
+
+    centres_px: Floats
+    areas_px: Floats
+    blob: Ints
+    part: Ints
+    palm_px: Floats
+    cost: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class HeadPlace:
+    """The head in one view: its blob; free: nothing else is in that blob; centre_px (2,);
+    shape_px2 (2, 2) second moments of the free head there.
+    """
+
+    blob: int
+    free: bool
+    centre_px: Floats
+    shape_px2: Floats
+
+
+class Candidate(NamedTuple):
+    """One candidate: centre (2,) [px], area [px], part, cost."""
+
+    centre_px: Floats
+    area_px: float
+    part: int
+    cost: float = 0.0
+
+
+def candidates(
+    view: Blobs, head: HeadPlace | None, metre_px: float, bare: bool, p: CandidateParameters
+) -> Candidates:
+    """All candidates of a view; the blob of the head offers only what is beside the head.
+
+    metre_px: pixels of a metre where hands are. bare: the person's forearms are bare, so that the
+    hand is an end of a long blob. head: None before the start, when each blob counts as it is too.
+    """
+    found: list[Candidate] = []
+    blob: list[int] = []
+    for i in range(len(view)):
+        if head is not None and i == head.blob:
+            here = [] if head.free else list(_beside(view, head, metre_px, p))
+        else:
+            here = list(_of_blob(view, i, metre_px, bare, head is None, p))
+        found += here
+        blob += [i] * len(here)
+    part = np.array([c.part for c in found], np.intp)
+    blobs = np.array(blob, np.intp)
+    palm = np.zeros((len(found), 2))
+    whole = part == WHOLE
+    away = np.clip(view.looks.fingers[blobs[whole]], -LONGEST_FINGERS, LONGEST_FINGERS)
+    palm[whole] = -p.palm * away * np.sqrt(view.areas_px[blobs[whole]])[:, None]
+    return Candidates(
+        np.array([c.centre_px for c in found]).reshape(-1, 2),
+        np.array([c.area_px for c in found], np.float64),
+        blobs,
+        part,
+        palm,
+        np.array([c.cost for c in found], np.float64),
+    )
+
+
+def _of_blob(
+    view: Blobs, i: int, metre_px: float, bare: bool, always: bool, p: CandidateParameters
+) -> Iterator[Candidate]:
+    pixels, area = view.looks.pixels[i], float(view.areas_px[i])
+    arm = bare and p.ends and view.length_m(i, metre_px) > p.hand_length_m and len(pixels) >= 8
+    if arm:
+        centres, tips = ends(pixels, 0.8 * p.hand_length_m * metre_px)
+        cloth = [_clothed(view, tip, CLOTH_M * metre_px) for tip in tips]
+        size = min(area, p.split_area_m2 * metre_px**2)
+        for k in range(2):
+            cost = CLOTH_COST * max(0.0, cloth[k] - cloth[1 - k])
+            yield Candidate(centres[k], size, END + k, cost)
+    if not arm or always:  # the head itself may be long
+        yield Candidate(view.centres_px[i], area, WHOLE)
+    if p.halves and area > p.split_area_m2 * metre_px**2:
+        yield from _halves(pixels, area, p)
+
+
+def _halves(pixels: Floats, area_px: float, p: CandidateParameters) -> Iterator[Candidate]:
+    two = halves(pixels, p.draw_together)
+    if two is not None:
+        for k in range(2):
+            yield Candidate(two[0][k], area_px * float(two[1][k]), HALF + k)
+
+
+def _beside(
+    view: Blobs, head: HeadPlace, metre_px: float, p: CandidateParameters
+) -> Iterator[Candidate]:
+    """Pieces of the head's blob outside the head, and halves of a piece as large as two hands."""
+    if not p.beside_head:
+        return
+    each = view.looks.pixel_area_px
+    left = outside(view.looks.pixels[head.blob], head.centre_px, head.shape_px2, p.head_scale)
+    least = max(int(p.beside_area_m2 * metre_px**2 / each), 6)
+    for piece in pieces(left, each**0.5, least)[:PIECES]:
+        area = len(piece) * each
+        yield Candidate(piece.mean(axis=0), area, BESIDE)
+        if p.halves and area > 1.2 * p.split_area_m2 * metre_px**2:
+            yield from _halves(piece, area, p)
+
+
+def _clothed(view: Blobs, at_px: Floats, radius_px: float) -> float:
+    """Share of clothed pixels within a distance of a pixel (2,); 0 without a silhouette."""
+    shape = view.looks.silhouette
+    if shape is None:
+        return 0.0
+    x, y = (at_px + 0.5) / shape.step_px
+    r = max(radius_px / shape.step_px, 1.0)
+    rows, columns = shape.classes.shape
+    top, left = max(int(y - r), 0), max(int(x - r), 0)
+    box = shape.classes[top : min(int(y + r) + 1, rows), left : min(int(x + r) + 1, columns)]
+    return float((box == CLOTHED).mean()) if box.size else 0.0

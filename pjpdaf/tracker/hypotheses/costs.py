@@ -1,0 +1,125 @@
+"""Costs of pairs as hands: negative log-odds of looks, alone and two together."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pjpdaf.arrays import Floats
+from pjpdaf.looks import Silhouette
+from pjpdaf.targets import LEFT_HAND, RIGHT_HAND
+from pjpdaf.tracker.hypotheses.blobs import Blobs
+from pjpdaf.tracker.hypotheses.candidates import (
+    BESIDE,
+    END,
+    HALF,
+    OTHER_HALF,
+    WHOLE,
+    HeadPlace,
+)
+from pjpdaf.tracker.hypotheses.geometry import Views
+from pjpdaf.tracker.hypotheses.pairs import Pairs
+from pjpdaf.tracker.hypotheses.parameters import CostParameters, HypothesisParameters
+from pjpdaf.tracker.hypotheses.sleeve import Body, arm_scores, arm_values
+
+AREA_COST_MOST = 6.0
+HANDLIKE_COST = 2.0, 3.0  # of the area, of the pair: a blob below both should be somebody's hand
+LONGEST_FINGERS = 0.3
+
+
+def area_cost(found: Pairs, hand_area_m2: float, c: CostParameters) -> Floats:
+    """Cost (n,) of areas beside that of a whole hand; an end of a bare arm has a fixed cost."""
+    z = np.log(np.maximum(found.areas_m2, 1e-6) / hand_area_m2)
+    z = z / np.where(z > 0, c.log_area_up_sd, c.log_area_sd)
+    cost = np.minimum(0.5 * z * z, AREA_COST_MOST)
+    cost = np.where((found.part >= END).any(axis=1), c.end, cost)
+    half = ((found.part == HALF) | (found.part == OTHER_HALF)).any(axis=1)
+    return np.asarray(cost + np.where(half, 0.5 * c.split, 0.0))
+
+
+def piece_cost(found: Pairs, head_m: Floats, axes: Floats, c: CostParameters) -> Floats:
+    """Cost (n,) of what is a piece of face or neck that a beard, glasses or a collar cut off.
+
+    The neck is behind the face, a hand before it.
+    """
+    off = (found.points_m - head_m) @ axes.T
+    beside, down, away = np.abs(off[:, 0]), off[:, 1], off[:, 2]
+    neck = (beside < 0.06) & (down > 0.03) & (down < 0.24) & (away > -0.03)
+    neck &= found.areas_m2 < 0.75 * c.hand_area_m2
+    whole = (found.part == WHOLE).any(axis=1)
+    face = (beside < np.where(whole, 0.08, 0.05)) & (down > -0.16) & (down < 0.22)
+    face &= (np.abs(away) < 0.25) & (found.areas_m2 < 0.45 * c.hand_area_m2)
+    return np.where(neck | face, c.piece, 0.0)
+
+
+def joint_cost(
+    found: Pairs,
+    places: tuple[HeadPlace | None, ...],
+    hand_area_m2: float,
+    c: CostParameters,
+) -> Floats:
+    """Cost (n + 2, n + 2) of right and left choices together; n: at the face, n + 1: unseen."""
+    n = len(found)
+    joint = np.zeros((n + 2, n + 2))
+    if n == 0:
+        return joint
+    for view in range(2):
+        b, part = found.blob[:, view], found.part[:, view]
+        same = (b[:, None] == b[None, :]) & (b >= 0)[:, None] & (b >= 0)[None, :]
+        same_part = same & (part[:, None] == part[None, :])
+        whole = (part == WHOLE)[:, None] | (part == WHOLE)[None, :]
+        ends = (part >= END)[:, None] & (part >= END)[None, :]
+        half = (part == HALF) | (part == OTHER_HALF)
+        lone = half[:, None] & ~same
+        pair = joint[:n, :n]
+        pair += np.where(same_part, 0.5 * c.same_blob + 1.0, 0.0)
+        pair += np.where(same & ~same_part & whole, 0.5 * c.same_blob, 0.0)
+        pair += np.where(same & ~same_part & ends, c.same_blob, 0.0)
+        pair += 0.5 * c.lone_half * (lone.astype(float) + lone.T.astype(float))
+        joint[:n, n:] += 0.5 * c.lone_half * half[:, None]
+        joint[n:, :n] += 0.5 * c.lone_half * half[None, :]
+    plain = (found.part == WHOLE).all(axis=1)
+    plain &= area_cost(found, hand_area_m2, c) < HANDLIKE_COST[0]
+    plain &= found.cost < HANDLIKE_COST[1]
+    heads = [place.blob if place is not None else -1 for place in places]
+    for left, right in {(int(a), int(b)) for a, b in found.blob[plain]}:
+        if left != heads[0] and right != heads[1]:
+            joint += c.unexplained * _unused(found, left, right, face=False)
+    beside = (found.part == BESIDE).all(axis=1)
+    for left, right in {(int(a), int(b)) for a, b in found.blob[beside]}:
+        joint += 0.5 * c.unexplained * _unused(found, left, right, face=True)
+    return joint
+
+
+def _unused(found: Pairs, left: int, right: int, face: bool) -> Floats:
+    """1 where neither choice uses these blobs, (n + 2, n + 2); face: 'at the face' uses them."""
+    used = (found.blob[:, 0] == left) | (found.blob[:, 1] == right)
+    uses = np.concatenate([used, [face, False]])
+    return np.asarray(~(uses[:, None] | uses[None, :]), dtype=np.float64)
+
+
+def side_evidence(
+    found: Pairs, seen: tuple[Blobs, ...], head_m: Floats, views: Views, p: HypothesisParameters
+) -> Floats:
+    """Log-odds (n,) that the hand at each pair is the right one: its sleeve, and the detector's."""
+    s = p.sleeve
+    odds = np.zeros(len(found))
+    if len(found) == 0:
+        return odds
+    shapes: tuple[Silhouette | None, ...] = tuple(view.looks.silhouette for view in seen)
+    if s.sleeve_weight > 0 and any(shape is not None for shape in shapes):
+        body = Body.under(head_m, views.axes, s)
+        fingers = np.zeros((2, len(found), 2))
+        for v, view in enumerate(seen):
+            whole = np.flatnonzero(found.part[:, v] == WHOLE)
+            fingers[v, whole] = view.looks.fingers[found.blob[whole, v]]
+        fingers = np.clip(fingers, -LONGEST_FINGERS, LONGEST_FINGERS)
+        scores = arm_scores(
+            found.points_m, arm_values(shapes, views, body, s), shapes, views, body, s, fingers
+        )
+        odds = s.sleeve_weight * (scores[:, 0] - scores[:, 1])
+    for v, view in enumerate(seen):
+        if view.evidence is not None and view.evidence.shape[1] > LEFT_HAND:
+            whole = np.flatnonzero(found.part[:, v] == WHOLE)
+            likelihoods = np.maximum(view.evidence[found.blob[whole, v]], -2.0 * s.sleeve_clip)
+            odds[whole] += 0.5 * (likelihoods[:, RIGHT_HAND] - likelihoods[:, LEFT_HAND])
+    return np.clip(odds, -s.sleeve_clip, s.sleeve_clip)

@@ -1,0 +1,171 @@
+"""Hypotheses: accounts of which hand is where, and how they grow from frame to frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pjpdaf.arrays import Floats
+from pjpdaf.tracker.hypotheses.motion import correct, log_likelihood, spread, steps
+from pjpdaf.tracker.hypotheses.pairs import Pairs
+from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
+
+LARGEST_COST = 14.0  # of a hypothesis beyond the best; what costs more is dropped
+FORBIDDEN = 30.0
+MOTION_COST_MOST = 16.0
+SAME_M = 0.03  # hypotheses closer than this along each axis are one
+REFERENCE_SD_M = 0.03  # a hand seen where it was expected, this well, costs nothing
+LARGEST_VARIANCE_M2 = 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """One account of which hand is where.
+
+    cost: negative log-odds of motion and looks; evidence: of the sleeves, which fades; means (2, 3)
+    [m] right, left; covariances (2, 3, 3) [m^2]; unseen_s (2,).
+    """
+
+    cost: float
+    evidence: float
+    means: Floats
+    covariances: Floats
+    unseen_s: Floats
+
+    @property
+    def total(self) -> float:
+        """Negative log-odds."""
+        return self.cost + self.evidence
+
+
+@dataclass(frozen=True, eq=False)
+class Sightings:
+    """All choices of a hand in a frame: n pairs, at the face, unseen.
+
+    found: the pairs; own (n,) cost of each by itself; joint (n + 2, n + 2) of two together; odds
+    (n,) that it is the right hand [log]; face_m (3,) a hand before the face; face_cost.
+    """
+
+    found: Pairs
+    own: Floats
+    joint: Floats
+    odds: Floats
+    face_m: Floats
+    face_cost: float
+
+
+def grow(
+    hypotheses: tuple[Hypothesis, ...], seen: Sightings, dt_s: float, p: HypothesisParameters
+) -> tuple[tuple[Hypothesis, ...], tuple[int, int]]:
+    """The likeliest hypotheses one frame later, and the choices (right, left) of the first.
+
+    Each hypothesis goes on with every pair of choices; the best `hypotheses` of all are kept, those
+    of equal places once. Costs are shifted so that the smallest is 0.
+    """
+    points = np.concatenate([seen.found.points_m, seen.face_m[None]])
+    C = np.concatenate([seen.found.covariances_m2, np.eye(3)[None] * p.noise.face_m**2])
+    each = _alone(hypotheses, seen, points, C, dt_s, p)
+    doubt = np.concatenate([seen.odds, [0.0, 0.0]])
+    # The cost of the less likely side; the likelier costs nothing.
+    against_right, against_left = np.maximum(-doubt, 0.0), np.maximum(doubt, 0.0)
+    sleeve = against_right[:, None] + against_left[None, :]
+    kept = np.array([h.evidence for h in hypotheses]) * _kept_share(seen.odds, dt_s, p)
+    base = np.array([h.cost for h in hypotheses])[:, None, None] + seen.joint[None]
+    base = base + each[:, 0, :, None] + each[:, 1, None, :]
+    total = base + kept[:, None, None] + sleeve[None]
+    flat = total.ravel()
+    count = min(4 * p.hypotheses + 8, flat.size)
+    best = np.argpartition(flat, count - 1)[:count]
+    best = best[np.argsort(flat[best], kind="stable")]
+    best = best[flat[best] < flat[best[0]] + LARGEST_COST]
+    grown: list[Hypothesis] = []
+    moved: dict[tuple[int, int, int], tuple[Floats, Floats, float]] = {}
+    for index in best:
+        k, right, left = (int(i) for i in np.unravel_index(index, total.shape))
+        for side, choice in enumerate((right, left)):
+            if (k, side, choice) not in moved:
+                moved[k, side, choice] = _moved(hypotheses[k], side, choice, points, C, dt_s, p)
+        hands = moved[k, 0, right], moved[k, 1, left]
+        means = np.array([hand[0] for hand in hands])
+        if any(np.abs(g.means - means).max() < SAME_M for g in grown):
+            continue
+        covariances = np.array([hand[1] for hand in hands])
+        unseen = np.array([hand[2] for hand in hands])
+        evidence = float(kept[k] + sleeve[right, left])
+        grown.append(Hypothesis(float(base[k, right, left]), evidence, means, covariances, unseen))
+        if len(grown) == p.hypotheses:
+            break
+    least_cost, least_evidence = min(h.cost for h in grown), min(h.evidence for h in grown)
+    _, right, left = (int(i) for i in np.unravel_index(best[0], total.shape))
+    after = tuple(
+        replace(h, cost=h.cost - least_cost, evidence=h.evidence - least_evidence) for h in grown
+    )
+    return after, (right, left)
+
+
+def _kept_share(odds: Floats, dt_s: float, p: HypothesisParameters) -> float:
+    """Share of the evidence of earlier frames that still counts.
+
+    It fades as far as this frame brings evidence of its own, which repeats it; a frame without any
+    leaves what was known.
+    """
+    s = p.sleeve
+    if not len(odds) or s.sleeve_clip <= 0:
+        return 1.0
+    fade = float(np.exp(-dt_s / s.memory_s)) if s.memory_s > 0 else 0.0
+    return 1.0 - (1.0 - fade) * min(float(np.abs(odds).max()) / s.sleeve_clip, 1.0)
+
+
+def _alone(
+    hypotheses: tuple[Hypothesis, ...],
+    seen: Sightings,
+    points: Floats,
+    C: Floats,
+    dt_s: float,
+    p: HypothesisParameters,
+) -> Floats:
+    """Cost (K, 2, n + 2) of each hand's choices by themselves: motion and looks."""
+    n, c = len(seen.found), p.costs
+    means = np.array([h.means for h in hypotheses])  # (K, 2, 3)
+    P = np.array([h.covariances for h in hypotheses])
+    log = log_likelihood(
+        points[None, None] - means[:, :, None],
+        P[:, :, None] + C[None, None],
+        p.motion.weights,
+        steps(dt_s, p.motion.deviations_m),
+    )
+    reference = 1.5 * np.log(2 * np.pi) + 3.0 * np.log(REFERENCE_SD_M)
+    motion = np.minimum(-np.logaddexp.reduce(log, axis=-1) - reference, MOTION_COST_MOST)
+    unseen_s = np.array([h.unseen_s for h in hypotheses])[..., None]
+    miss = np.where(unseen_s > 0, c.stay_hidden, c.miss)
+    each = np.concatenate([motion, miss], axis=2)
+    each[:, :, :n] += seen.own
+    each[:, :, n] += seen.face_cost
+    return np.asarray(np.minimum(each, FORBIDDEN))
+
+
+def _moved(
+    h: Hypothesis,
+    side: int,
+    choice: int,
+    points: Floats,
+    C: Floats,
+    dt_s: float,
+    p: HypothesisParameters,
+) -> tuple[Floats, Floats, float]:
+    """A hand after its choice: mean (3,), covariance (3, 3), time unseen."""
+    m = p.motion
+    if choice >= len(points):
+        P = h.covariances[side] + 0.5 * spread(dt_s, m.weights, m.deviations_m)
+        return h.means[side], np.minimum(P, LARGEST_VARIANCE_M2), float(h.unseen_s[side] + dt_s)
+    mean, P = correct(
+        h.means[side],
+        h.covariances[side],
+        points[choice],
+        C[choice],
+        dt_s,
+        m.weights,
+        m.deviations_m,
+    )
+    return mean, P, 0.0

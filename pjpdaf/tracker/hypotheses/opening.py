@@ -1,0 +1,128 @@
+"""First positions: three blobs that both views agree on, the head above, hands apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import combinations, permutations
+
+import numpy as np
+
+from pjpdaf.arrays import Floats
+from pjpdaf.tracker.hypotheses.blobs import Blobs
+from pjpdaf.tracker.hypotheses.candidates import WHOLE, HeadPlace, candidates
+from pjpdaf.tracker.hypotheses.costs import area_cost
+from pjpdaf.tracker.hypotheses.geometry import Views
+from pjpdaf.tracker.hypotheses.head import CROWN_M, HeadTrack, crown_of, head_size
+from pjpdaf.tracker.hypotheses.pairs import Pairs, pairs
+from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
+from pjpdaf.tracker.hypotheses.sleeve import Body, arm_scores, arm_values
+
+HEAD_AREA_M2, HEAD_LOG_SD = 0.024, 0.4  # of visible skin, with the neck
+HEIGHT_PRIOR = 4.0  # cost of a metre lower, for the head
+BELOW_M = 0.05, 0.08  # hands below the head; blobs that count as below it
+USUAL_DEPTH_M = 1.2
+APART_M = 0.12  # hands nearer to each other may be two pieces of one arm
+REACH_M = 0.85  # from the head
+BEHIND_M = 0.2  # the head
+WRONG_SIDE = 3.0  # cost of a right hand on the left of the left hand
+LARGEST_COST = 8.0
+HEAD_SD_M = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Opening:
+    """The head's track; hands: places (2, 3) [m] of right and left with their costs, the likeliest
+    first; longest_m: length of the longest blob that may be a hand.
+    """
+
+    head: HeadTrack
+    hands: tuple[tuple[Floats, float], ...]
+    longest_m: float
+
+
+def open_tracks(seen: tuple[Blobs, ...], views: Views, p: HypothesisParameters) -> Opening | None:
+    """The opening, or None: wait for a frame that shows head and hands apart."""
+    if any(view.missing or len(view) < 3 for view in seen):
+        return None
+    metre_px = views.focal_px / USUAL_DEPTH_M
+    longest = _longest(seen, metre_px)
+    plain = replace(p.candidates, halves=False, beside_head=False)
+    one, two = (
+        candidates(view, None, float(metre_px[v]), longest > plain.bare_length_m, plain)
+        for v, view in enumerate(seen)
+    )
+    found = pairs(views, (one, two), np.zeros((0, 3)), p.noise, p.costs)
+    head = _head(found, views)
+    if head is None:
+        return None
+    track = _track(found, head, seen, views)
+    hands = _hands(found, head, seen, views, p)
+    return Opening(track, hands, longest) if hands else None
+
+
+def _longest(seen: tuple[Blobs, ...], metre_px: Floats) -> float:
+    lengths = [
+        view.length_m(i, float(metre_px[v]))
+        for v, view in enumerate(seen)
+        for i in range(len(view))
+        if view.centres_px[i, 1] > view.centres_px[:, 1].min() + 0.12 * metre_px[v]
+    ]
+    return max(lengths, default=0.0)
+
+
+def _head(found: Pairs, views: Views) -> int | None:
+    """The pair of a head's size that is high up, with two others below it."""
+    up = -(found.points_m @ views.axes[1])
+    best: tuple[float, int] | None = None
+    for i in np.flatnonzero((found.part == WHOLE).all(axis=1)):
+        z = np.log(found.areas_m2[i] / HEAD_AREA_M2) / HEAD_LOG_SD
+        if abs(z) > 3.0 or (up < up[i] - BELOW_M[1]).sum() < 2:
+            continue
+        cost = float(0.5 * z * z + found.cost[i] - HEIGHT_PRIOR * up[i])
+        if best is None or cost < best[0]:
+            best = cost, int(i)
+    return None if best is None else best[1]
+
+
+def _track(found: Pairs, head: int, seen: tuple[Blobs, ...], views: Views) -> HeadTrack:
+    one, two = (
+        HeadPlace(int(b), True, view.centres_px[b], np.eye(2))
+        for b, view in zip(found.blob[head], seen, strict=True)
+    )
+    # Without the palm's offset, which is a hand's.
+    mean = views.triangulate(one.centre_px[None], two.centre_px[None])[0][0]
+    area, shape = head_size(mean, seen, (one, two), views)
+    crown = crown_of(mean, seen, views) or CROWN_M
+    return HeadTrack(mean, np.eye(3) * HEAD_SD_M**2, area, shape, crown)
+
+
+def _hands(
+    found: Pairs, head: int, seen: tuple[Blobs, ...], views: Views, p: HypothesisParameters
+) -> tuple[tuple[Floats, float], ...]:
+    off = (found.points_m - found.points_m[head]) @ views.axes.T
+    good = (
+        (off[:, 1] > BELOW_M[0])
+        & (off[:, 2] < BEHIND_M)
+        & (np.linalg.norm(off, axis=1) < REACH_M)
+        & (found.blob != found.blob[head]).all(axis=1)
+    )
+    body = Body.under(found.points_m[head], views.axes, p.sleeve)
+    shapes = tuple(view.looks.silhouette for view in seen)
+    values = arm_values(shapes, views, body, p.sleeve)
+    scores = arm_scores(found.points_m, values, shapes, views, body, p.sleeve)
+    own = found.cost + area_cost(found, p.costs.hand_area_m2, p.costs)
+    hands: list[tuple[Floats, float]] = []
+    for pair in combinations(np.flatnonzero(good).tolist(), 2):
+        if (found.blob[pair[0]] == found.blob[pair[1]]).any():
+            continue
+        if np.linalg.norm(found.points_m[pair[0]] - found.points_m[pair[1]]) < APART_M:
+            continue
+        for right, left in permutations(pair):
+            cost = float(own[right] + own[left])
+            cost -= p.sleeve.sleeve_weight * float(scores[right, 0] + scores[left, 1])
+            cost += WRONG_SIDE if off[left, 0] < off[right, 0] else 0.0
+            hands.append((found.points_m[[right, left]], cost))
+    hands.sort(key=lambda hand: hand[1])
+    least = hands[0][1] if hands else 0.0
+    near = [(points, cost - least) for points, cost in hands if cost < least + LARGEST_COST]
+    return tuple(near[: p.hypotheses])

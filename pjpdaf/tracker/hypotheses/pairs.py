@@ -1,0 +1,184 @@
+"""Pairs: candidates of two views that may be one hand, as points in the world."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pjpdaf.arrays import Floats, Ints
+from pjpdaf.tracker.hypotheses.candidates import BESIDE, END, WHOLE, Candidates
+from pjpdaf.tracker.hypotheses.geometry import Views, stereo_information
+from pjpdaf.tracker.hypotheses.parameters import CostParameters, NoiseParameters
+
+NEAREST_M, FARTHEST_M = 0.3, 5.0  # depths at which a hand can be
+FARTHEST_MOVE_M = 1.2  # from where some hand is expected
+WHOLE_COST = 2.0  # two blobs agree as they are below this cost
+PART_M = 0.30  # parts of a blob are no further from its centre
+ALONG_RAY_M = 0.12  # deviation of the depth of a hand that only one view shows
+LOG_AREA_SD = 0.5  # between the areas that two views show
+SANE_COST = 8.0  # of the epipolar error
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """Sightings of a hand.
+
+    points_m (n, 3); covariances_m2 (n, 3, 3); areas_m2 (n,); cost (n,) of each by itself; blob
+    (n, 2) and part (n, 2) in each view, -1 where it is unseen.
+    """
+
+    points_m: Floats
+    covariances_m2: Floats
+    areas_m2: Floats
+    cost: Floats
+    blob: Ints
+    part: Ints
+
+    def __len__(self) -> int:
+        return len(self.points_m)
+
+    def __getitem__(self, chosen: NDArray[np.bool_] | Ints) -> Pairs:
+        return Pairs(
+            self.points_m[chosen],
+            self.covariances_m2[chosen],
+            self.areas_m2[chosen],
+            self.cost[chosen],
+            self.blob[chosen],
+            self.part[chosen],
+        )
+
+
+def pairs(
+    views: Views,
+    found: tuple[Candidates, Candidates],
+    expected_m: Floats,
+    noise: NoiseParameters,
+    costs: CostParameters,
+) -> Pairs:
+    """All stereo-consistent pairs, and single sightings of candidates without a partner.
+
+    expected_m (h, 3): where hands are expected, which gives a single sighting its depth.
+    """
+    double = _stereo(views, found, expected_m, noise, costs)
+    singles = [_single(views, v, found[v], double, expected_m, noise, costs) for v in range(2)]
+    return _joined([double, *singles])
+
+
+def _stereo(
+    views: Views,
+    found: tuple[Candidates, Candidates],
+    expected_m: Floats,
+    noise: NoiseParameters,
+    costs: CostParameters,
+) -> Pairs:
+    left, right = found
+    i, j = (a.ravel() for a in np.indices((len(left.blob), len(right.blob))))
+    points, residual = views.triangulate(left.centres_px[i], right.centres_px[j])
+    _, depth = views.project(points)
+    size = (depth / views.focal_px[:, None]) ** 2
+    a, b = left.areas_px[i] * size[0], right.areas_px[j] * size[1]
+    whole = (left.part[i] == WHOLE) & (right.part[j] == WHOLE)
+    loose_px = np.where(whole, 1.0, 1.5) * costs.epipolar_px * views.scale
+    epipolar = 0.5 * (2.0 * residual / loose_px) ** 2
+    ratio = np.log(np.maximum(a, 1e-9) / np.maximum(b, 1e-9)) / LOG_AREA_SD
+    same_kind = (left.part[i] + 1) // 2 == (right.part[j] + 1) // 2
+    own = epipolar + np.minimum(0.5 * ratio**2, 3.0) + np.where(same_kind, 0.0, 1.0)
+    own = own + left.cost[i] + right.cost[j]
+    sane: NDArray[np.bool_] = (
+        (epipolar < SANE_COST) & (depth > NEAREST_M).all(0) & (depth < FARTHEST_M).all(0)
+    )
+    sane &= _coherent(left.part[i], left.blob[i], right.part[j], right.blob[j], points, own)
+    if len(expected_m):
+        reach = np.linalg.norm(points[:, None] - expected_m[None], axis=2).min(axis=1)
+        sane &= reach < FARTHEST_MOVE_M
+    i, j, points, whole = i[sane], j[sane], points[sane], whole[sane]
+    common = np.where(whole, noise.whole_px[0], noise.part_px[0]) * views.scale
+    apart = np.where(whole, noise.whole_px[1], noise.part_px[1]) * views.scale
+    information = stereo_information(views.jacobians(points), common, apart)
+    return Pairs(
+        points + _to_palms(views, left.palm_px[i], right.palm_px[j], depth[:, sane]),
+        np.asarray(np.linalg.inv(information)),
+        np.sqrt(a * b)[sane],
+        own[sane],
+        np.stack([left.blob[i], right.blob[j]], axis=1),
+        np.stack([left.part[i], right.part[j]], axis=1),
+    )
+
+
+def _to_palms(views: Views, left_px: Floats, right_px: Floats, depth: Floats) -> Floats:
+    """Displacements (n, 3) [m] across the line of sight; the mean of both views'.
+
+    The depth is left to the centroids, which the views share better than the palms.
+    """
+    metre = depth / views.focal_px[:, None]
+    across = 0.5 * (left_px * metre[0][:, None] + right_px * metre[1][:, None])
+    return np.asarray(across @ views.axes[:2])
+
+
+def _coherent(
+    left_part: Ints,
+    left_blob: Ints,
+    right_part: Ints,
+    right_blob: Ints,
+    points: Floats,
+    own: Floats,
+) -> NDArray[np.bool_]:
+    """Which pairs (n,) can be one thing: parts of blobs that agree as a whole lie near that whole.
+
+    A whole blob pairs with a part of another only where the two blobs do not agree as they are:
+    the hands are merged in one view alone.
+    """
+    one_end = (left_part >= END) ^ (right_part >= END)
+    one_whole = (left_part == WHOLE) ^ (right_part == WHOLE)
+    good: NDArray[np.bool_] = ~one_end | one_whole
+    both = (left_part == WHOLE) & (right_part == WHOLE)
+    for k in np.flatnonzero(both & (own < WHOLE_COST)):
+        same = (left_blob == left_blob[k]) & (right_blob == right_blob[k])
+        far = np.linalg.norm(points - points[k], axis=1) > PART_M
+        good &= ~(same & (one_whole | far))
+    return good
+
+
+def _single(
+    views: Views,
+    view: int,
+    found: Candidates,
+    double: Pairs,
+    expected_m: Floats,
+    noise: NoiseParameters,
+    costs: CostParameters,
+) -> Pairs:
+    """Candidates of a view that pair with nothing, at the depth of the nearest expected hand."""
+    partnered = np.isin(found.blob, double.blob[:, view])
+    at = np.flatnonzero(~partnered & ((found.part == WHOLE) | (found.part == BESIDE)))
+    if not len(at) or not len(expected_m):
+        return double[np.zeros(0, np.intp)]
+    pixels, depth = views.project(expected_m)
+    distance = np.linalg.norm(found.centres_px[at][:, None] - pixels[view][None], axis=2)
+    depth_m = depth[view][distance.argmin(axis=1)]
+    rays = views.rays(view, found.centres_px[at])
+    points = views.centres_m[view] + depth_m[:, None] * rays
+    H = views.jacobians(points)[:, view]
+    sd_px = 2.0 * noise.whole_px[0] * views.scale
+    unit = rays / np.linalg.norm(rays, axis=1, keepdims=True)
+    along = unit[:, :, None] * unit[:, None, :] / ALONG_RAY_M**2
+    information = H.swapaxes(1, 2) @ H / sd_px**2 + along
+    size = (depth_m / views.focal_px[view]) ** 2
+    blob, part = np.full((len(at), 2), -1), np.full((len(at), 2), -1)
+    blob[:, view], part[:, view] = found.blob[at], found.part[at]
+    cost = np.full(len(at), costs.single_view)
+    covariances = np.asarray(np.linalg.inv(information))
+    return Pairs(points, covariances, found.areas_px[at] * size, cost, blob, part)
+
+
+def _joined(parts: list[Pairs]) -> Pairs:
+    return Pairs(
+        np.concatenate([p.points_m for p in parts]),
+        np.concatenate([p.covariances_m2 for p in parts]),
+        np.concatenate([p.areas_m2 for p in parts]),
+        np.concatenate([p.cost for p in parts]),
+        np.concatenate([p.blob for p in parts]),
+        np.concatenate([p.part for p in parts]),
+    )

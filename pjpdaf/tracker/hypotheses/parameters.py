@@ -1,0 +1,208 @@
+"""Parameters of the hypothesis tracker, by role."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from pjpdaf.checks import check_above_zero, check_not_negative
+
+FRAME_S = 1 / 3  # the unit of time of the motion parameters [s]
+OWNER = "HypothesisParameters"
+
+
+@dataclass(frozen=True)
+class CandidateParameters:
+    """Parts of blobs that may be hands."""
+
+    # Hand blobs are split in two halves.
+    halves: bool = True
+    # Hands are split off the head's blob.
+    beside_head: bool = True
+    # The hand is an end of a long blob where forearms are bare.
+    ends: bool = True
+    # Share of the distance of two halves' centres that is kept [1]: cut, they are too far apart.
+    draw_together: float = 0.7
+    # Share of the vector from centroid to palm by which a whole hand's centre is moved [1].
+    palm: float = 0.75
+    # Smallest blob that is split [m^2].
+    split_area_m2: float = 0.008
+    # Mean length of the longer hand's blob from which forearms are bare [m].
+    bare_length_m: float = 0.205
+    # Length of a hand [m].
+    hand_length_m: float = 0.17
+    # Size of the head's ellipse whose outside is no head, over the remembered one [1].
+    head_scale: float = 1.15
+    # Smallest piece beside the head [m^2].
+    beside_area_m2: float = 0.0012
+
+    def __post_init__(self) -> None:
+        check_above_zero(
+            OWNER,
+            self,
+            "split_area_m2",
+            "bare_length_m",
+            "hand_length_m",
+            "head_scale",
+            "beside_area_m2",
+        )
+        check_not_negative(OWNER, self, "draw_together", "palm")
+
+
+@dataclass(frozen=True)
+class MotionParameters:
+    """Displacement in FRAME_S, per axis: a mixture of Gaussians (resting, moving, fast)."""
+
+    # Weights of a hand's modes [1] and their deviations [m].
+    weights: tuple[float, float, float] = (0.3, 0.45, 0.25)
+    deviations_m: tuple[float, float, float] = (0.012, 0.08, 0.32)
+    # The same of the head.
+    head_weights: tuple[float, float] = (0.8, 0.2)
+    head_deviations_m: tuple[float, float] = (0.012, 0.1)
+
+
+@dataclass(frozen=True)
+class NoiseParameters:
+    """Deviations of the places of candidates: common to both views, and between them.
+
+    Half a hand that is hidden moves both views' centres alike, which says nothing of the depth.
+    """
+
+    # Of whole blobs [px at 640 columns].
+    whole_px: tuple[float, float] = (2.5, 0.7)
+    # Of parts of blobs [px at 640 columns].
+    part_px: tuple[float, float] = (8.0, 2.0)
+    # Of a hand somewhere at the face, per axis [m].
+    face_m: float = 0.06
+
+    def __post_init__(self) -> None:
+        check_above_zero(OWNER, self, "face_m")
+
+
+@dataclass(frozen=True)
+class CostParameters:
+    """Negative log-odds, beside those of a hand seen where it was expected."""
+
+    # Deviation of a point from two views' rays [px at 640 columns].
+    epipolar_px: float = 4.0
+    # Visible area of an open hand [m^2], and the deviations of its logarithm below and above [1].
+    hand_area_m2: float = 0.011
+    log_area_sd: float = 0.55
+    log_area_up_sd: float = 0.35
+    # Share of a frame in the learnt area [1].
+    area_memory: float = 0.1
+    # A blob like a hand that is nobody's.
+    unexplained: float = 6.0
+    # A hand that is not seen, in the first such frame and after.
+    miss: float = 9.0
+    stay_hidden: float = 5.0
+    # A hand at the face while the head's blob hides it.
+    face: float = 4.0
+    # Two hands on one blob, undivided.
+    same_blob: float = 4.0
+    # A half whose other half is nobody's.
+    lone_half: float = 4.0
+    # A split.
+    split: float = 0.0
+    # A hand that only one view shows.
+    single_view: float = 3.0
+    # An end of a bare arm.
+    end: float = 0.5
+    # A piece of face or neck.
+    piece: float = 6.0
+
+    def __post_init__(self) -> None:
+        check_above_zero(
+            OWNER, self, "epipolar_px", "hand_area_m2", "log_area_sd", "log_area_up_sd"
+        )
+        check_not_negative(
+            OWNER,
+            self,
+            "area_memory",
+            "unexplained",
+            "miss",
+            "stay_hidden",
+            "face",
+            "same_blob",
+            "lone_half",
+            "split",
+            "single_view",
+            "end",
+            "piece",
+        )
+
+
+@dataclass(frozen=True)
+class SleeveParameters:
+    """The arm that is fitted to the silhouette, and what its evidence is worth."""
+
+    # Log-odds per difference of the two sides' scores, 0 = no sleeve evidence; their bound.
+    sleeve_weight: float = 6.0
+    sleeve_clip: float = 3.0
+    # Time in which evidence of earlier frames fades to 1/e [s]: successive frames of one merge are
+    # not independent.
+    memory_s: float = 1.0
+    # Shoulder to elbow, elbow to palm, width of a sleeve [m].
+    upper_arm_m: float = 0.280
+    forearm_m: float = 0.345
+    sleeve_width_m: float = 0.076
+    # Places of the elbow that are tried, round the line from shoulder to hand.
+    swivels: int = 16
+    # Background under the arm counts this much against it [1]; clothes outside the torso count 1.
+    bare_background: float = 1.5
+    # Shoulders from the centre of the head's skin, camera axes: to the side, down, away [m].
+    side_m: float = 0.175
+    down_m: float = 0.165
+    back_m: float = 0.06
+    # Penalty of an elbow turned inwards or up.
+    inward_penalty: float = 0.15
+    # Weight of the fingers' direction, which goes on along the forearm.
+    finger_weight: float = 0.7
+
+    def __post_init__(self) -> None:
+        check_above_zero(OWNER, self, "upper_arm_m", "forearm_m", "sleeve_width_m", "swivels")
+        check_not_negative(
+            OWNER,
+            self,
+            "sleeve_weight",
+            "sleeve_clip",
+            "memory_s",
+            "bare_background",
+            "inward_penalty",
+            "finger_weight",
+        )
+
+
+@dataclass(frozen=True)
+class OffsetParameters:
+    """From the centre of the visible skin to the centre of the body, camera axes [m]."""
+
+    hand_offset_m: tuple[float, float, float] = (0.0, -0.003, 0.008)
+    head_offset_m: tuple[float, float, float] = (0.0, -0.027, 0.015)
+    # How much the offsets differ, per axis [m].
+    hand_offset_sd_m: float = 0.004
+    head_offset_sd_m: float = 0.006
+
+    def __post_init__(self) -> None:
+        check_not_negative(OWNER, self, "hand_offset_sd_m", "head_offset_sd_m")
+
+
+@dataclass(frozen=True)
+class HypothesisParameters:
+    """All parameters of the hypothesis tracker."""
+
+    candidates: CandidateParameters = field(default_factory=CandidateParameters)
+    motion: MotionParameters = field(default_factory=MotionParameters)
+    noise: NoiseParameters = field(default_factory=NoiseParameters)
+    costs: CostParameters = field(default_factory=CostParameters)
+    sleeve: SleeveParameters = field(default_factory=SleeveParameters)
+    offsets: OffsetParameters = field(default_factory=OffsetParameters)
+    # Hypotheses kept.
+    hypotheses: int = 5
+    # The estimate is the mean of the hypotheses within this of the best [log-odds].
+    mean_within: float = 2.0
+    # A target that is unseen for this time is lost [s].
+    lost_after_s: float = 1.0
+
+    def __post_init__(self) -> None:
+        check_above_zero(OWNER, self, "hypotheses", "lost_after_s")
+        check_not_negative(OWNER, self, "mean_within")

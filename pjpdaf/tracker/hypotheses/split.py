@@ -1,0 +1,93 @@
+"""Splitting a blob into the parts that may be hands: pure functions of its pixels."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from pjpdaf.arrays import Floats
+
+ROUNDS = 6  # of 2-means; it has long converged
+
+
+def halves(pixels: Floats, together: float) -> tuple[Floats, Floats] | None:
+    """Centres (2, 2) [px] of the two clusters of a blob's pixels (n, 2), and their shares (2,).
+
+    2-means from the ends of the major axis; then both are drawn towards their middle, `together` of
+    their distance remains. None for fewer than 8 pixels.
+    """
+    if len(pixels) < 8:
+        return None
+    centre = pixels.mean(axis=0)
+    offset = pixels - centre
+    axis = np.linalg.eigh(offset.T @ offset)[1][:, 1]
+    along = offset @ axis
+    second = along > 0.0
+    for _ in range(ROUNDS):
+        a, b = pixels[~second].mean(axis=0), pixels[second].mean(axis=0)
+        now = ((pixels - a) ** 2).sum(1) > ((pixels - b) ** 2).sum(1)
+        if np.array_equal(now, second) or now.all() or not now.any():
+            break
+        second = now
+    centres = np.array([a, b])
+    share = float(second.mean())
+    middle = centres.mean(axis=0)
+    return middle + together * (centres - middle), np.array([1.0 - share, share])
+
+
+def outside(pixels: Floats, centre: Floats, shape: Floats, scale: float) -> Floats:
+    """The pixels (n, 2) outside an ellipse: d^T shape^-1 d > 4 scale^2."""
+    offset = pixels - centre
+    d2 = ((offset @ np.linalg.inv(shape)) * offset).sum(axis=1)
+    return np.asarray(pixels[d2 > 4.0 * scale * scale])
+
+
+def pieces(pixels: Floats, step_px: float, least: int) -> list[Floats]:
+    """Connected pieces of lattice pixels (n, 2), at least `least` of them, largest first.
+
+    Two pixels are connected within 1.6 steps of the lattice along each axis.
+    """
+    if len(pixels) < least:
+        return []
+    cells = np.rint((pixels - pixels.min(axis=0)) / step_px).astype(int)
+    size = cells.max(axis=0) + 1
+    grid = np.zeros((size[1], size[0]), np.uint8)
+    grid[cells[:, 1], cells[:, 0]] = 1
+    count, labels = cv2.connectedComponents(grid, connectivity=8)
+    label = labels[cells[:, 1], cells[:, 0]]
+    found = [pixels[label == i] for i in range(1, count)]
+    return sorted((p for p in found if len(p) >= least), key=len, reverse=True)
+
+
+def ends(pixels: Floats, length_px: float) -> tuple[Floats, Floats]:
+    """Of the pixels (n, 2) within length_px of either end of a blob: centres (2, 2), tips (2, 2).
+
+    The ends are those of the major axis; a tip is the mean of the outermost twentieth.
+    """
+    offset = pixels - pixels.mean(axis=0)
+    axis = np.linalg.eigh(offset.T @ offset)[1][:, 1]
+    along = offset @ axis
+    first, low, high, last = np.percentile(along, [1, 5, 95, 99])
+    centres = [
+        pixels[along <= first + length_px].mean(axis=0),
+        pixels[along >= last - length_px].mean(axis=0),
+    ]
+    tips = [pixels[along <= low].mean(axis=0), pixels[along >= high].mean(axis=0)]
+    return np.array(centres), np.array(tips)
+
+
+def settle(pixels: Floats, start: Floats, shape: Floats) -> tuple[Floats, float]:
+    """Where an ellipse comes to rest on a blob (mean shift), (2,), and the pixels inside it."""
+    inverse = np.linalg.inv(shape)
+    centre = np.array(start)
+    inside = np.zeros(len(pixels), bool)
+    for _ in range(5):
+        offset = pixels - centre
+        inside = ((offset @ inverse) * offset).sum(axis=1) <= 4.0
+        if inside.sum() < 8:
+            break
+        moved = pixels[inside].mean(axis=0)
+        if np.abs(moved - centre).max() < 0.3:
+            break
+        centre = moved
+    return centre, float(inside.sum())

@@ -1,0 +1,181 @@
+"""Hypothesis tracker: head, right hand and left hand over joint configurations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from pjpdaf.arrays import Floats
+from pjpdaf.camera import Camera
+from pjpdaf.interfaces import Detections, Estimates
+from pjpdaf.tracker.hypotheses.blobs import Blobs
+from pjpdaf.tracker.hypotheses.candidates import WHOLE, HeadPlace, candidates
+from pjpdaf.tracker.hypotheses.costs import area_cost, joint_cost, piece_cost, side_evidence
+from pjpdaf.tracker.hypotheses.geometry import Views
+from pjpdaf.tracker.hypotheses.head import HeadTrack, follow_head
+from pjpdaf.tracker.hypotheses.hypothesis import FORBIDDEN, Hypothesis, Sightings, grow
+from pjpdaf.tracker.hypotheses.motion import spread
+from pjpdaf.tracker.hypotheses.opening import open_tracks
+from pjpdaf.tracker.hypotheses.pairs import Pairs, pairs
+from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
+from pjpdaf.tracker.hypotheses.readout import exchange_probability, read_out
+
+VIEWS = 2
+START_SD_M = 0.02
+HANDS_BEFORE_HEAD_M = 0.15  # along the line of sight, for the size of a hand in pixels
+BEHIND_M, BEFORE_M = 0.3, 0.9  # the head: where hands can be
+APART_M = 0.3  # hands whose arms are looked at
+NEAR_HAND_M = 0.15  # from a hand to the centre of its arm's blob
+LONGEST_M = 0.45
+LENGTH_MEMORY_S = 4.0
+BEFORE_FACE_M, BELOW_FACE_M = 0.06, 0.02  # a hand at the face
+
+
+@dataclass(frozen=True, eq=False)
+class HypothesisState:
+    """All that changes from frame to frame.
+
+    hypotheses: from the likeliest; said: the last estimates; hand_area_m2: of a whole hand, learnt;
+    longest_m: mean length of the longer hand's blob, which tells bare forearms; exchanged:
+    probability that right and left are exchanged.
+    """
+
+    head: HeadTrack
+    hypotheses: tuple[Hypothesis, ...]
+    said: Estimates
+    hand_area_m2: float
+    longest_m: float
+    exchanged: float = 0.0
+
+
+@final
+class HypothesisTracker:
+    """Tracker of head and hands in two calibrated views; all that changes is in the state."""
+
+    def __init__(
+        self, cameras: tuple[Camera, ...], parameters: HypothesisParameters | None = None
+    ) -> None:
+        if len(cameras) != VIEWS:
+            raise ValueError(f"the hypothesis tracker needs {VIEWS} cameras, got {len(cameras)}")
+        self.cameras = tuple(cameras)
+        self.parameters = parameters if parameters is not None else HypothesisParameters()
+        self.views = Views.of(self.cameras)
+
+    def start(self, detections: tuple[Detections, ...], /) -> HypothesisState | None:
+        """Return the first state, or None where head and hands are not clear yet: wait."""
+        p = self.parameters
+        seen = tuple(Blobs.of(view) for view in detections)
+        opened = open_tracks(seen, self.views, p)
+        if opened is None:
+            return None
+        P = np.tile(np.eye(3) * START_SD_M**2, (2, 1, 1))
+        found = tuple(Hypothesis(0.0, cost, hands, P, np.zeros(2)) for hands, cost in opened.hands)
+        said = read_out(opened.head, found, None, self.views, 0.0, p)
+        area = p.costs.hand_area_m2
+        return HypothesisState(opened.head, found, said, area, opened.longest_m)
+
+    def estimates(self, state: HypothesisState, /) -> Estimates:
+        """Return the estimates of a state."""
+        return state.said
+
+    def predict(self, state: HypothesisState, dt_s: float, /) -> Estimates:
+        """Return the estimates expected dt_s after `state`: the same places, less certain."""
+        m = self.parameters.motion
+        head = spread(dt_s, m.head_weights, m.head_deviations_m)
+        hand = spread(dt_s, m.weights, m.deviations_m)
+        grown = state.said.covariances_m2 + np.array([head, hand, hand])
+        return replace(state.said, covariances_m2=grown)
+
+    def step(
+        self, state: HypothesisState, detections: tuple[Detections, ...], dt_s: float, /
+    ) -> tuple[HypothesisState, Estimates]:
+        """Return the state and the estimates after the next frame, dt_s later."""
+        p = self.parameters
+        seen = tuple(Blobs.of(view) for view in detections)
+        head, places = follow_head(state.head, seen, self.views, dt_s, p)
+        found = self._pairs(state, seen, places, head)
+        away, down = self.views.axes[2], self.views.axes[1]
+        hidden = any(place is not None and not place.free for place in places) or head.unseen_s > 0
+        sightings = Sightings(
+            found,
+            found.cost + area_cost(found, state.hand_area_m2, p.costs),
+            joint_cost(found, places, state.hand_area_m2, p.costs),
+            side_evidence(found, seen, head.mean, self.views, p),
+            head.mean - BEFORE_FACE_M * away + BELOW_FACE_M * down,
+            p.costs.face if hidden else FORBIDDEN,
+        )
+        grown, chosen = grow(state.hypotheses, sightings, dt_s, p)
+        said = read_out(head, grown, state.said, self.views, dt_s, p)
+        after = HypothesisState(
+            head,
+            grown,
+            said,
+            _learnt_area(state.hand_area_m2, found, list(chosen), p),
+            self._longest(state, seen, places, dt_s),
+            exchange_probability(grown),
+        )
+        return after, said
+
+    def _pairs(
+        self,
+        state: HypothesisState,
+        seen: tuple[Blobs, ...],
+        places: tuple[HeadPlace | None, ...],
+        head: HeadTrack,
+    ) -> Pairs:
+        """All sightings of hands before the person, with the costs of their looks."""
+        p = self.parameters
+        bare = state.longest_m > p.candidates.bare_length_m
+        _, depth = self.views.project(head.mean)
+        metre_px = self.views.focal_px / np.maximum(depth - HANDS_BEFORE_HEAD_M, 0.3)
+        # A head that is out of sight still hides no blob: -1 is no blob's number.
+        nowhere = HeadPlace(-1, True, np.zeros(2), np.eye(2))
+        one, two = (
+            candidates(view, place or nowhere, float(metre_px[v]), bare, p.candidates)
+            for v, (view, place) in enumerate(zip(seen, places, strict=True))
+        )
+        expected = np.concatenate([h.means for h in state.hypotheses])
+        found = pairs(self.views, (one, two), expected, p.noise, p.costs)
+        away = (found.points_m - head.mean) @ self.views.axes[2]
+        found = found[(away < BEHIND_M) & (away > -BEFORE_M)]
+        extra = piece_cost(found, head.mean, self.views.axes, p.costs)
+        return replace(found, cost=found.cost + extra)
+
+    def _longest(
+        self,
+        state: HypothesisState,
+        seen: tuple[Blobs, ...],
+        places: tuple[HeadPlace | None, ...],
+        dt_s: float,
+    ) -> float:
+        """Mean length [m] of the longer hand's blob while the hands are apart."""
+        hands = state.hypotheses[0].means
+        if np.linalg.norm(hands[0] - hands[1]) < APART_M:
+            return state.longest_m
+        pixels, depth = self.views.project(hands)
+        lengths = []
+        for v, (view, place) in enumerate(zip(seen, places, strict=True)):
+            for hand in range(2 if len(view) else 0):
+                metre_px = float(self.views.focal_px[v] / depth[v, hand])
+                distance = np.linalg.norm(view.centres_px - pixels[v, hand], axis=1)
+                blob = int(distance.argmin())
+                if distance[blob] < NEAR_HAND_M * metre_px and (
+                    place is None or place.blob != blob
+                ):
+                    lengths.append(view.length_m(blob, metre_px))
+        longest = max((length for length in lengths if length < LONGEST_M), default=state.longest_m)
+        share = 1.0 - float(np.exp(-dt_s / LENGTH_MEMORY_S))
+        return state.longest_m + share * (longest - state.longest_m)
+
+
+def _learnt_area(area_m2: float, found: Pairs, chosen: list[int], p: HypothesisParameters) -> float:
+    """Area of a whole hand, learnt where both hands are seen apart."""
+    if max(chosen) >= len(found) or not (found.part[chosen] == WHOLE).all():
+        return area_m2
+    if (found.blob[chosen[0]] == found.blob[chosen[1]]).any():
+        return area_m2
+    low, high = 0.6 * p.costs.hand_area_m2, 1.6 * p.costs.hand_area_m2
+    now: Floats = np.clip(found.areas_m2[chosen], low, high)
+    return float(area_m2 * (now.max() / area_m2) ** p.costs.area_memory)
