@@ -22,7 +22,7 @@ from sim.dataset.files.reading import read_json
 from sim.dataset.reader import open_dataset
 
 WORDS = ["cross", "recorded", "--seeds", "2", "--first-seed", "100", "--size", "96x72"]
-WORDS += ["--set", "frames=4", "--set", "background_frames=1", "--labels", "depth,seg"]
+WORDS += ["--set", "frames=4", "--set", "background_frames=2", "--labels", "depth,seg"]
 WORDS += ["--export", "none"]
 
 
