@@ -6,6 +6,8 @@ import shlex
 from collections.abc import Mapping
 from typing import Any
 
+from pjpdaf.presets.names import DEFAULT_PRESET
+
 
 def replay_command(meta: Mapping[str, Any], name: str, seed: int) -> str:
     """The command that plays one episode of a run again, name being its name in the results.
@@ -25,7 +27,7 @@ def system_options(meta: Mapping[str, Any]) -> list[str]:
     """The options of `run` that name the system under test, from run.json."""
     command: list[str] = []
     preset = str(meta["preset"])
-    command += ["--preset", preset] if preset != "thesis" else []
+    command += ["--preset", preset] if preset != DEFAULT_PRESET else []
     for part in ("detector", "tracker"):
         command += [f"--{part}", str(meta[part])] if meta[part] != preset else []
     for pair in meta["request"]["settings"]:

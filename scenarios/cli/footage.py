@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from pjpdaf.presets.names import DEFAULT_PRESET
 from scenarios.cli.options import (
     Detections,
     LeftView,
@@ -42,7 +43,7 @@ def track(
     fps: Annotated[
         float | None, typer.Option(help="Frames a second [the video's own; 3 for folders].")
     ] = None,
-    preset: PresetName = "thesis",
+    preset: PresetName = DEFAULT_PRESET,
     detector: PlugInName = None,
     tracker: PlugInName = None,
     settings: Annotated[

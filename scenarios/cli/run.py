@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from pjpdaf.errors import BenchError
+from pjpdaf.presets.names import DEFAULT_PRESET
 from scenarios.cli.options import (
     Detections,
     Jobs,
@@ -26,7 +27,7 @@ def run(
         int | None,
         typer.Option(help="Episodes of each scenario, seeds 0 to N-1 [the suite's own; 10]."),
     ] = None,
-    preset: PresetName = "thesis",
+    preset: PresetName = DEFAULT_PRESET,
     detector: PlugInName = None,
     tracker: PlugInName = None,
     settings: Annotated[

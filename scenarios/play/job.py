@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from pjpdaf.detector.external import DetectionTable
+from pjpdaf.presets.names import DEFAULT_PRESET
 from scenarios.spec.parameters.file import File, contents
 from scenarios.spec.scenario import Scenario, digest
 from sim.motion.stage import Value
@@ -18,8 +19,8 @@ from sim.motion.stage import Value
 class System:
     """The system under test: names of detector and tracker, and changed parameters of each."""
 
-    detector: str = "thesis"
-    tracker: str = "thesis"
+    detector: str = DEFAULT_PRESET
+    tracker: str = DEFAULT_PRESET
     detector_settings: Mapping[str, str] = field(default_factory=dict)
     tracker_settings: Mapping[str, str] = field(default_factory=dict)
 

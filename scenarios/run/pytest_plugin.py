@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Protocol
 
 import pytest
 
+from pjpdaf.presets.names import DEFAULT_PRESET
+
 if TYPE_CHECKING:
     from reports.gate.verdict import Verdict
     from reports.run.load import SavedRun
@@ -70,8 +72,8 @@ class PlayRun(Protocol):
     def __call__(
         self,
         *targets: str,
-        tracker: str = "thesis",
-        detector: str = "thesis",
+        tracker: str = DEFAULT_PRESET,
+        detector: str = DEFAULT_PRESET,
         seeds: int | None = None,
         settings: Mapping[str, object] | None = None,
     ) -> BenchRun:
@@ -112,8 +114,8 @@ def pjpdaf_run(request: pytest.FixtureRequest, tmp_path: Path) -> PlayRun:
 
     def play(
         *targets: str,
-        tracker: str = "thesis",
-        detector: str = "thesis",
+        tracker: str = DEFAULT_PRESET,
+        detector: str = DEFAULT_PRESET,
         seeds: int | None = None,
         settings: Mapping[str, object] | None = None,
     ) -> BenchRun:

@@ -10,6 +10,7 @@ from pathlib import Path
 from rich.console import Console
 
 from pjpdaf.errors import BenchError, InfrastructureError
+from pjpdaf.presets.names import DEFAULT_PRESET
 from reports.page.page import write_page
 from reports.run.rows import EpisodeRows
 from reports.run.save import check_free
@@ -39,7 +40,7 @@ class RunRequest:
     """
 
     plan: PlanRequest = field(default_factory=PlanRequest)
-    preset: str = "thesis"
+    preset: str = DEFAULT_PRESET
     jobs: int | None = None
     out: Path | None = None
     argv: tuple[str, ...] = ()

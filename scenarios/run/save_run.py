@@ -8,6 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from pjpdaf.presets.flat import flat_values
+from pjpdaf.presets.names import DEFAULT_PRESET
 from pjpdaf.presets.override import override
 from pjpdaf.presets.registry import PRESETS, find_preset
 from reports.run.load import SavedRun, load
@@ -27,7 +28,7 @@ def save_run(
     played: PlayResults,
     folder: Path,
     *,
-    preset: str = "thesis",
+    preset: str = DEFAULT_PRESET,
     argv: Sequence[str] = (),
     slim: bool = False,
     force: bool = False,

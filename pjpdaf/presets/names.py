@@ -1,0 +1,3 @@
+"""The name of the preset that is used where none is named; imports nothing."""
+
+DEFAULT_PRESET = "default"
