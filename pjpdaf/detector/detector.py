@@ -91,14 +91,29 @@ class SkinDetector:
             for view, picture in enumerate(self.checked(frame))
         )
 
-    def segment(self, view: int, picture: np.ndarray, min_area_px: float) -> Segments:
-        """Return accepted skin pixels of a view's picture as it is searched, by component."""
+    def segment(
+        self,
+        view: int,
+        picture: np.ndarray,
+        min_area_px: float,
+        balanced: np.ndarray | None = None,
+        coloured: np.ndarray | None = None,
+    ) -> Segments:
+        """Return accepted skin pixels of a view's picture as it is searched, by component.
+
+        balanced: the same picture in the light of the skin range, for the test of skin alone.
+        coloured: uint8 (h, w), 0 or 1, a reduced picture's foreground by another test.
+        """
         p = self.parameters
         hsv = to_hsv(picture)
-        mask = skin_mask(hsv, p.skin)
+        mask = skin_mask(hsv if balanced is None else to_hsv(balanced), p.skin)
         if self._tests:
             at = np.flatnonzero(mask.view(np.bool_))
             same = at[~is_foreground(self._tests[view], hsv, at)]
+            if coloured is not None:
+                size = (hsv.shape[1], hsv.shape[0])
+                wide = cv2.resize(coloured * np.uint8(255), size, interpolation=cv2.INTER_LINEAR)
+                same = same[wide.reshape(-1)[same] < 128]
             mask.reshape(-1)[same] = 0
         cleaned = clean(mask, p.components.open_px, p.components.close_px)
         return segments(cleaned, min_area_px, p.components.merge_fragments)
