@@ -14,15 +14,16 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, undistort_points
 from pjpdaf.detector.background import Background, BackgroundSums, BackgroundTest, prepare
-from pjpdaf.detector.chroma import ChromaTest
+from pjpdaf.detector.chroma import ChromaTest, smoothed
+from pjpdaf.detector.cloth import cloth_mask
 from pjpdaf.detector.components import Segments, min_area_px
 from pjpdaf.detector.detector import SkinDetector
 from pjpdaf.detector.ellipses import ellipse_axes, moments, undistort_moments
 from pjpdaf.detector.exposure import Exposure, exposure_of
 from pjpdaf.detector.face import Face, face_of, mean_face, to_reference
 from pjpdaf.detector.parameters import DetectorParameters
-from pjpdaf.detector.silhouette import foreground, opened, reduced, silhouette
-from pjpdaf.detector.skin import to_hsv
+from pjpdaf.detector.silhouette import foreground, opened, reduced, reduction, silhouette
+from pjpdaf.detector.skin import skin_mask, to_hsv
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detections, Estimates
 from pjpdaf.looks import BlobLooks
@@ -134,9 +135,21 @@ class BlobDetector:
         hsv = to_hsv(small)
         coloured = self._chroma[view](small)
         person = foreground(hsv, self._tests[view]) | opened(coloured)
-        focal_px = self.base.cameras[view].K[0, 0] * small.shape[1] / picture.shape[1]
-        face = face_of(small, person, self._chroma[view].median, float(focal_px))
+        focal_px = self._small_focal_px(view, picture)
+        face = face_of(small, person, self._chroma[view].median, focal_px)
         return View(picture, small, person, coloured, face)
+
+    def _cloth(self, number: int, view: View, face: Face | None) -> np.ndarray | None:
+        """Clothes of the colour of skin in the reduced picture, None without any."""
+        if face is None or view.person is None:
+            return None
+        small = view.small if face.fits else to_reference(view.small, face)
+        skin = (skin_mask(to_hsv(small), self.base.parameters.skin) > 0) & (view.person > 0)
+        smooth = smoothed(view.small.astype(np.float32))
+        return cloth_mask(smooth, skin, face, self._small_focal_px(number, view.picture))
+
+    def _small_focal_px(self, number: int, picture: np.ndarray) -> float:
+        return float(self.base.cameras[number].K[0, 0]) / reduction(picture.shape[1])
 
     def _detect(
         self, number: int, view: View, face: Face | None, predicted: Estimates | None
@@ -144,8 +157,9 @@ class BlobDetector:
         p, camera = self.base.parameters, self.base.cameras[number]
         picture = view.picture
         balanced = None if face is None or face.fits else to_reference(picture, face)
+        cloth = self._cloth(number, view, face)
         least = min_area_px(p.components, camera, predicted)
-        seen = self.base.segment(number, picture, least, balanced, view.coloured)
+        seen = self.base.segment(number, picture, least, balanced, view.coloured, cloth)
         mask = np.zeros(seen.size, np.uint8)
         mask[seen.points[:, 1], seen.points[:, 0]] = 255
         shape = silhouette(view.person, mask, camera)

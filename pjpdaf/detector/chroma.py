@@ -18,8 +18,10 @@ from pjpdaf.detector.background import Background
 SMOOTH_PX = 0.8  # of the reduced picture
 KEPT_NOISE = 1.0 / (4.0 * np.pi * SMOOTH_PX**2) ** 0.5  # share of the noise that smoothing leaves
 LEAST_NOISE = 0.7  # of a pixel of the reduced picture [grey levels]
-FLOOR = 0.015  # deviation of log chroma that light itself makes
+FLOOR = 0.011  # deviation of log chroma that light itself makes
 THRESHOLD = 18.4  # 99.99 % point of chi-square with 2 degrees of freedom
+THRESHOLD_ALONE = 3.0  # of a pixel that was not smoothed
+EVERY = 3  # pixels, for the median
 DARK = 8.0  # grey levels below which a channel says nothing
 
 
@@ -45,7 +47,7 @@ class ChromaTest:
     def of(background: Background) -> ChromaTest:
         """Prepare the test of a reduced picture's background."""
         bgr = cv2.cvtColor(np.ascontiguousarray(background.mean), cv2.COLOR_HSV2BGR) * 255.0
-        chroma = log_chroma(_smooth(bgr))
+        chroma = log_chroma(smoothed(bgr))
         noise = np.maximum(background.sd[..., 2] * 255.0, LEAST_NOISE) * KEPT_NOISE
         return ChromaTest(
             readonly(chroma, (None, None, 2), "mean", np.float32),
@@ -54,19 +56,30 @@ class ChromaTest:
         )
 
     def __call__(self, small: np.ndarray) -> np.ndarray:
-        """Return where a reduced picture uint8 (h, w, 3) differs in chroma: uint8 (h, w), 0 or 1."""
-        smooth = np.maximum(_smooth(small.astype(np.float32)), 1.0)
-        off = log_chroma(smooth) - self.mean
-        weight = 1.0 / (smooth * smooth)
-        variance = (self.noise * self.noise)[..., None] * (
-            weight[..., 1:][..., ::-1] + weight[..., :2][..., ::-1]
-        )
-        variance += FLOOR**2
-        far = ((off * off) / variance).sum(axis=-1) > THRESHOLD
-        far &= smooth.min(axis=-1) > DARK
+        """Test a reduced picture uint8 (h, w, 3): uint8 (h, w), 1 where its chroma differs.
+
+        A pixel must differ smoothed, and a little by itself: smoothing carries a shirt's colour
+        over its edge.
+        """
+        bgr = small.astype(np.float32)
+        far = self._distance(smoothed(bgr), 1.0) > THRESHOLD
+        far &= self._distance(bgr, 1.0 / KEPT_NOISE) > THRESHOLD_ALONE
         return far.astype(np.uint8)
 
+    def _distance(self, bgr: np.ndarray, noisier: float) -> np.ndarray:
+        """Squared Mahalanobis distance (h, w) in log chroma, 0 where a channel is dark."""
+        off = log_chroma(bgr) - self.mean
+        # What the camera's own white balance did since: most of a picture is background.
+        off -= np.median(off[::EVERY, ::EVERY].reshape(-1, 2), axis=0)
+        noise = (noisier * self.noise)[..., None] / np.maximum(bgr, 1.0)
+        square = noise * noise
+        variance = square[..., [1, 0]] + square[..., [2, 1]] + FLOOR**2
+        distance: np.ndarray = (off * off / variance).sum(axis=-1)
+        distance[bgr.min(axis=-1) <= DARK] = 0.0
+        return distance
 
-def _smooth(bgr: np.ndarray) -> np.ndarray:
+
+def smoothed(bgr: np.ndarray) -> np.ndarray:
+    """Smooth a float32 picture (h, w, 3)."""
     smooth: np.ndarray = cv2.GaussianBlur(bgr, (0, 0), SMOOTH_PX)
     return smooth

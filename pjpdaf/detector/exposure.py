@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -39,7 +40,7 @@ def exposure_of(pictures: Sequence[np.ndarray]) -> Exposure:
         return Exposure()
     sampled = [p[::STEP_PX, ::STEP_PX].astype(np.float32) for p in pictures]
     variances = []
-    for one, two in zip(sampled, sampled[1:], strict=False):
+    for one, two in itertools.pairwise(sampled):
         off = (two - one) - np.median(two - one)
         square = off * off
         variances.append(float(np.mean(square[square <= np.percentile(square, 99)])) / 2.0)
