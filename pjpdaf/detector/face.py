@@ -27,9 +27,11 @@ TOP_M = 0.05  # least width of the silhouette at its top
 DARK = 0.35  # share of the box's bright value below which a pixel is hair or shade
 BIN, BINS, LOW = 0.04, 64, -1.0  # of the histogram of log chroma
 REDDER, REDDER_SD = (0.36, 0.26), (0.15, 0.20)  # log chroma of skin above the background's
+ODDEST = 3.0  # deviations from that, of a face
 NEAR = 0.10  # radius of the face's cluster in log chroma
 LEAST_SHARE = 0.06  # of the box
 # Face colours (hue [deg], saturation, least value) that the fixed range holds with its spread.
+GAINS = 0.2, 8.0  # of a channel, at the least and at most
 FITS_HUE_DEG, FITS_SATURATION, FITS_VALUE = (8.0, 34.0), (0.28, 0.62), 0.30
 
 
@@ -47,7 +49,7 @@ class Face:
         hue, saturation, value = colorsys.rgb_to_hsv(r, g, b)
         hue_deg = (360.0 * hue + 180.0) % 360.0 - 180.0
         low, high = FITS_SATURATION
-        return (
+        return bool(
             FITS_HUE_DEG[0] <= hue_deg <= FITS_HUE_DEG[1]
             and low <= saturation <= high
             and value >= FITS_VALUE
@@ -85,6 +87,9 @@ def face_of(
         if near.sum() < LEAST_SHARE * inside.sum():
             return None
         centre = chroma[near].mean(axis=0)
+    off = (centre - background_chroma - REDDER) / REDDER_SD
+    if (off * off).sum() > ODDEST**2:
+        return None
     return Face(np.median(colours[near], axis=0).astype(np.float64), int(near.sum()))
 
 
@@ -120,7 +125,7 @@ def mean_face(faces: list[Face]) -> Face | None:
 
 def to_reference(picture: np.ndarray, face: Face) -> np.ndarray:
     """Multiply the channels of a picture uint8 (h, w, 3) so that the face has REFERENCE_BGR."""
-    gains = np.array(REFERENCE_BGR) / np.maximum(face.bgr, 1.0)
+    gains = np.clip(np.array(REFERENCE_BGR) / np.maximum(face.bgr, 1.0), *GAINS)
     levels = np.arange(256)[:, None] * gains[None, :]
     table = np.clip(np.rint(levels), 0, 255).astype(np.uint8)[None]
     balanced: np.ndarray = cv2.LUT(picture, table)
