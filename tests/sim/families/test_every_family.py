@@ -38,8 +38,8 @@ TRAPS = ("mirror", "swap_hidden", "parallel")
 # Seeds of each family; the first is played by default, the others with `-m long`.
 SEEDS = {name: range(5) for name in FAMILIES} | {"recorded": range(100, 104)}
 SEEDS |= {name: range(200, 203) for name in (*WORK, *FACE, *SPLITS, *VIEW, *FAST)}
-DT_S = 0.002
-MOST_MOMENTS = 100  # of a performance that are posed to judge it
+DT_S = 0.004
+MOST_MOMENTS = 60  # of a performance that are posed to judge it
 
 
 @dataclass(frozen=True)
