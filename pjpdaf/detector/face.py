@@ -17,10 +17,7 @@ from pjpdaf.arrays import Bools, Floats
 from pjpdaf.detector.chroma import log_chroma
 
 REFERENCE_BGR = (79.0, 101.0, 142.0)  # of skin in the middle of the fixed range
-HEAD_M, HALF_HEAD_M = (
-    0.27,
-    0.10,
-)  # height of the searched box below the silhouette's top, half width
+HEAD_M, HALF_HEAD_M = 0.27, 0.10  # height below the silhouette's top, half width
 USUAL_DEPTH_M = 1.3
 JOIN_M = 0.06  # pieces nearer than twice this are one person
 TOP_M = 0.05  # least width of the silhouette at its top
@@ -30,8 +27,8 @@ REDDER, REDDER_SD = (0.36, 0.26), (0.15, 0.20)  # log chroma of skin above the b
 ODDEST = 3.0  # deviations from that, of a face
 NEAR = 0.10  # radius of the face's cluster in log chroma
 LEAST_SHARE = 0.06  # of the box
-# Face colours (hue [deg], saturation, least value) that the fixed range holds with its spread.
 GAINS = 0.2, 8.0  # of a channel, at the least and at most
+# Face colours (hue [deg], saturation, least value) that the fixed range holds with its spread.
 FITS_HUE_DEG, FITS_SATURATION, FITS_VALUE = (8.0, 34.0), (0.28, 0.62), 0.30
 
 
