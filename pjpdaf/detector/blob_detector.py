@@ -13,6 +13,7 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, undistort_points
+from pjpdaf.detector.alignment import Alignment, align, moved
 from pjpdaf.detector.background import Background, BackgroundSums, BackgroundTest, prepare
 from pjpdaf.detector.chroma import ChromaTest, smoothed
 from pjpdaf.detector.cloth import cloth_mask
@@ -22,7 +23,7 @@ from pjpdaf.detector.ellipses import ellipse_axes, moments, undistort_moments
 from pjpdaf.detector.exposure import Exposure, exposure_of
 from pjpdaf.detector.face import Face, face_of, mean_face, to_reference
 from pjpdaf.detector.parameters import DetectorParameters
-from pjpdaf.detector.silhouette import foreground, opened, reduced, reduction, silhouette
+from pjpdaf.detector.silhouette import foreground, opened, reduced, reduction, silhouette, turned
 from pjpdaf.detector.skin import skin_mask, to_hsv
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detections, Estimates
@@ -53,12 +54,14 @@ class BlobDetector:
     A frame's detections depend on its pictures and on the background alone: no memory of earlier
     frames. base: the thesis's detector, which segments; its 'undistort' and 'clusters' have no
     effect. small: backgrounds of the reduced pictures, of the views as learnt, or empty;
-    exposures: how each view's pictures are smoothed, or empty.
+    exposures: how each view's pictures are smoothed, or empty; alignment: rotation of the second
+    view that its calibration missed: detections are given as a camera as calibrated would see them.
     """
 
     base: SkinDetector
     small: tuple[Background, ...] = ()
     exposures: tuple[Exposure, ...] = ()
+    alignment: Alignment | None = None
     _tests: tuple[BackgroundTest, ...] = field(init=False, repr=False)
     _chroma: tuple[ChromaTest, ...] = field(init=False, repr=False)
 
@@ -91,6 +94,7 @@ class BlobDetector:
             for view in views
         )
         sums = tuple(BackgroundSums() for _ in views)
+        alignment = _alignment(first, self.base.cameras)
 
         def watched() -> Iterable[StereoFrame]:
             for frame in itertools.chain(first, frames):
@@ -106,7 +110,7 @@ class BlobDetector:
 
         base = self.base.learn(watched())
         least = base.parameters.background.background_learn_min
-        return BlobDetector(base, tuple(s.result(least) for s in sums), exposures)
+        return BlobDetector(base, tuple(s.result(least) for s in sums), exposures, alignment)
 
     def __call__(
         self, frame: StereoFrame, predicted: Estimates | None = None
@@ -160,15 +164,21 @@ class BlobDetector:
         cloth = self._cloth(number, view, face)
         least = min_area_px(p.components, camera, predicted)
         seen = self.base.segment(number, picture, least, balanced, view.coloured, cloth)
+        turn = self.alignment.homography(camera) if self.alignment and number == 1 else None
         mask = np.zeros(seen.size, np.uint8)
         mask[seen.points[:, 1], seen.points[:, 0]] = 255
         shape = silhouette(view.person, mask, camera)
+        if turn is not None:
+            shape = turned(shape, turn)
         if seen.count == 0:
             nothing = BlobLooks((), 1.0, np.zeros((0, 2)), shape)
             return dataclasses.replace(Detections.none(), looks=nothing)
         fit = undistort_moments(camera, moments(seen.points, seen.component, seen.count))
         covariances = np.broadcast_to(p.centre_sd_px**2 * np.eye(2), (len(fit), 2, 2))
         pixels, each = _lattice(seen, camera)
+        if turn is not None:
+            fit = dataclasses.replace(fit, centres=moved(fit.centres, turn))
+            pixels = tuple(moved(points, turn) for points in pixels)
         return Detections(
             fit.centres,
             covariances,
@@ -177,6 +187,18 @@ class BlobDetector:
             mask=mask if self.base.keep_masks else None,
             looks=BlobLooks(pixels, each, fingers(seen), shape),
         )
+
+
+def _alignment(frames: list[StereoFrame], cameras: tuple[Camera, ...]) -> Alignment | None:
+    """Alignment of the views of a still scene, None where there is none to take out."""
+    if len(cameras) != 2:
+        return None
+    views = [[p for f in frames if (p := f.pictures[view]) is not None] for view in range(2)]
+    if not all(views):
+        return None
+    one, two = (np.rint(np.mean(np.array(v), axis=0)).astype(np.uint8) for v in views)
+    found = align((one, two), (cameras[0], cameras[1]))
+    return found if found is not None and found.matters else None
 
 
 def fingers(seen: Segments) -> Floats:

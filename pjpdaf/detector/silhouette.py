@@ -5,6 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
 from pjpdaf.detector.background import BackgroundTest, is_foreground
 from pjpdaf.looks import CLOTHED, SKIN, Silhouette
@@ -70,3 +71,13 @@ def _undistorted(classes: np.ndarray, step: int, camera: Camera) -> np.ndarray:
     )
     ideal: np.ndarray = cv2.remap(classes, x, y, cv2.INTER_NEAREST)
     return ideal
+
+
+def turned(shape: Silhouette, homography: Floats) -> Silhouette:
+    """Return the silhouette where pixels of the whole picture are moved by a homography (3, 3)."""
+    step = shape.step_px
+    reduce = np.array([[1 / step, 0, 0.5 / step - 0.5], [0, 1 / step, 0.5 / step - 0.5], [0, 0, 1]])
+    H = reduce @ homography @ np.linalg.inv(reduce)
+    size = (shape.classes.shape[1], shape.classes.shape[0])
+    classes = cv2.warpPerspective(shape.classes, H, size, flags=cv2.INTER_NEAREST)
+    return Silhouette(np.asarray(classes), step)
