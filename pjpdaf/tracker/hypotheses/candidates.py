@@ -74,7 +74,7 @@ def candidates(
     blobs = np.array(blob, np.intp)
     palm = np.zeros((len(found), 2))
     whole = part == WHOLE
-    away = np.clip(view.looks.fingers[blobs[whole]], -LONGEST_FINGERS, LONGEST_FINGERS)
+    away = np.clip(view.looks.palms[blobs[whole]], -LONGEST_FINGERS, LONGEST_FINGERS)
     palm[whole] = -p.palm * away * np.sqrt(view.areas_px[blobs[whole]])[:, None]
     return Candidates(
         np.array([c.centre_px for c in found]).reshape(-1, 2),

@@ -127,7 +127,9 @@ def side_evidence(
         fingers = np.zeros((2, len(found), 2))
         for v, view in enumerate(seen):
             whole = np.flatnonzero(found.part[:, v] == WHOLE)
-            fingers[v, whole] = view.looks.fingers[found.blob[whole, v]]
+            looks, blob = view.looks, found.blob[whole, v]
+            wrist = looks.palms[blob] - looks.fingers[blob]
+            fingers[v, whole] = looks.fingers[blob] - s.wrist_share * wrist
         fingers = np.clip(fingers, -LONGEST_FINGERS, LONGEST_FINGERS)
         scores = arm_scores(
             found.points_m, arm_values(shapes, views, body, s), shapes, views, body, s, fingers

@@ -158,7 +158,10 @@ class SleeveParameters:
     # Penalty of an elbow turned inwards or up.
     inward_penalty: float = 0.15
     # Weight of the fingers' direction, which goes on along the forearm.
-    finger_weight: float = 0.7
+    finger_weight: float = 1.2
+    # Share of the vector to a wrist, a thick part of the hand beside the palm, that counts as
+    # fingers on the other side [1].
+    wrist_share: float = 1.0
 
     def __post_init__(self) -> None:
         check_above_zero(OWNER, self, "upper_arm_m", "forearm_m", "sleeve_width_m", "swivels")
