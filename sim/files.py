@@ -27,8 +27,8 @@ _REMEDIES = {
 }
 
 
-def write_fault(path: Path, what: str, error: OSError) -> BenchError:
-    """The fault, in one line, of a disk that refused to write `what` to `path`.
+def write_fault(path: Path, content: str, error: OSError) -> BenchError:
+    """The fault, in one line, of a disk that refused to write `content` to `path`.
 
     InfrastructureError (exit code 5) where the disk or the user's share of it is full, else
     BenchError (exit code 2).
@@ -38,27 +38,27 @@ def write_fault(path: Path, what: str, error: OSError) -> BenchError:
     reason = os.strerror(number) if number else " ".join(str(error).split()).rstrip(".")
     remedy = _REMEDIES.get(number or 0, "")
     kind = InfrastructureError if number in FULL else BenchError
-    return kind(f"{_final_path(path)}: cannot write {what}: {reason}.{remedy}")
+    return kind(f"{_final_path(path)}: cannot write {content}: {reason}.{remedy}")
 
 
 @contextmanager
-def disk_faults(path: Path, what: str) -> Iterator[None]:
+def disk_faults(path: Path, content: str) -> Iterator[None]:
     """Turn any OSError inside into the fault of `write_fault`."""
     try:
         yield
     except OSError as error:
-        raise write_fault(path, what, error) from error
+        raise write_fault(path, content, error) from error
 
 
 @contextmanager
-def written_whole_file(path: Path, what: str, *, replace: bool = False) -> Iterator[Path]:
+def written_whole_file(path: Path, content: str, *, replace: bool = False) -> Iterator[Path]:
     """A path to write to, in a temporary folder; at the end of the block it becomes `path`.
 
     An exception inside removes it. Raises BenchError where `path` is a folder, exists (unless
     `replace`), or cannot be written.
     """
     path = path.absolute()
-    with disk_faults(path, what):
+    with disk_faults(path, content):
         if path.is_dir():
             raise BenchError(f"{path}: is a folder; add a file name.")
         if path.exists() and not replace:
@@ -66,7 +66,7 @@ def written_whole_file(path: Path, what: str, *, replace: bool = False) -> Itera
         part = part_folder(path)
     try:
         yield part / path.name
-        with disk_faults(path, what):
+        with disk_faults(path, content):
             (part / path.name).replace(path)
     finally:
         shutil.rmtree(part, ignore_errors=True)

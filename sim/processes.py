@@ -191,7 +191,7 @@ class _Worker:
 
     @property
     def handles(self) -> tuple[Any, int]:
-        """What `multiprocessing.connection.wait` takes: ready with an answer, and with its end."""
+        """Handles for `multiprocessing.connection.wait`: ready with an answer, and at the end."""
         return self._pipe, self.process.sentinel
 
     def assign(self, index: int, function: Callable[[T], R], task: T, limit_s: float) -> None:

@@ -15,6 +15,7 @@ if "PYTEST_XDIST_WORKER" in os.environ:
     for name, value in (
         ("LP_NUM_THREADS", "0"),
         ("OMP_NUM_THREADS", "1"),
+        ("OPENCV_FOR_THREADS_NUM", "1"),
         ("OPENBLAS_NUM_THREADS", "1"),
         ("MKL_NUM_THREADS", "1"),
     ):

@@ -18,7 +18,7 @@ def request(out, **changes):
         "targets": ("cross", "recorded"),
         "seeds": 2,
         "first_seed": 100,
-        "settings": ("frames=4", "background_frames=1"),
+        "settings": ("frames=4", "background_frames=2"),
         "labels": SMALL,
         "jobs": 1,
     }

@@ -12,7 +12,7 @@ from ruamel.yaml import YAML
 ROOT = Path(__file__).parents[1]
 ACTION = ROOT / ".github/actions/pjpdaf-bench/action.yml"
 GITHUB, GITLAB = ROOT / "examples/ci/github.yml", ROOT / "examples/ci/gitlab-ci.yml"
-TINY = "--seeds 1 --set frames=6 --jobs 1"
+TINY = "--seeds 1 --set frames=2 --jobs 1"
 
 
 def read(path):

@@ -9,8 +9,7 @@ import numpy as np
 
 from reports.page.episode_tables import Key
 from reports.page.packing import base64_text
-from reports.run.films import read_film
-from reports.run.load import SavedRun
+from reports.run.load import SavedRun, read_film
 
 FILM_BYTES = 15_500_000  # of all whole films on a page
 STILL_BYTES = 620_000  # of the frames kept of other episodes

@@ -9,8 +9,7 @@ from pjpdaf.errors import BenchError
 from reports.page.episode_tables import episode_tables
 from reports.rerun.recording import Entities, check_suffix, identity_of, write_recording
 from reports.rerun.run_entities import log_episode
-from reports.run.films import read_film
-from reports.run.load import SavedRun
+from reports.run.load import SavedRun, read_film
 from reports.score.records import VIEWS
 
 

@@ -8,8 +8,6 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from pjpdaf.errors import BenchError
-from reports.run.load import SavedRun, one_line
 from reports.run.rows import EpisodeRows
 from reports.score.ranking import worst_first
 
@@ -49,16 +47,6 @@ def films_to_keep(rows: Iterable[EpisodeRows]) -> set[tuple[str, int]]:
     for scenario, seed in episodes:
         first[scenario] = min(seed, first.get(scenario, seed))
     return {*first.items(), *worst_first(episodes)}
-
-
-def read_film(run: SavedRun, file: str) -> dict[int, bytes]:
-    """Read a film of a run: WebP pictures by frame. Raises BenchError where it is damaged."""
-    path = run.folder / file
-    try:
-        with zipfile.ZipFile(path) as film:
-            return {int(Path(name).stem): film.read(name) for name in sorted(film.namelist())}
-    except (OSError, ValueError, zipfile.BadZipFile) as error:
-        raise BenchError(f"{path}: is damaged: {one_line(error)}.") from error
 
 
 def plain_name(scenario: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -187,6 +188,16 @@ def _load_table(path: Path, schema: pa.Schema) -> pd.DataFrame:
         if column in frame and not set(frame[column]) <= values:
             raise BenchError(f"{path}: column {column!r} has unknown values.")
     return frame
+
+
+def read_film(run: SavedRun, file: str) -> dict[int, bytes]:
+    """Read a film of a run: WebP pictures by frame. Raises BenchError where it is damaged."""
+    path = run.folder / file
+    try:
+        with zipfile.ZipFile(path) as film:
+            return {int(Path(name).stem): film.read(name) for name in sorted(film.namelist())}
+    except (OSError, ValueError, zipfile.BadZipFile) as error:
+        raise BenchError(f"{path}: is damaged: {one_line(error)}.") from error
 
 
 def one_line(error: Exception) -> str:

@@ -8,7 +8,15 @@ from typing import Annotated
 
 import typer
 
-from scenarios.cli.options import LeftView, PlugInName, PresetName, ResultsOut, RightView
+from scenarios.cli.options import (
+    Detections,
+    LeftView,
+    PlugInName,
+    PresetName,
+    ResultsOut,
+    RightView,
+    refuse_both_detectors,
+)
 
 
 def track(
@@ -55,6 +63,7 @@ def track(
         str,
         typer.Option(help="Unit of the calibration's T: m, cm, mm, in, or a number of metres."),
     ] = "m",
+    detections: Detections = None,
 ) -> None:
     """Track head and hands in real footage: tracks.csv, tracks.parquet, overlay film, report page.
 
@@ -63,6 +72,7 @@ def track(
     from scenarios.footage.session import TrackRequest
     from scenarios.footage.track import track as track_footage
 
+    refuse_both_detectors(detections, detector)
     track_footage(
         TrackRequest(
             left=left,
@@ -73,13 +83,14 @@ def track(
             background_first=background_first,
             fps=fps,
             preset=preset,
-            detector=detector or preset,
+            detector=detector or (preset if detections is None else detections.name),
             tracker=tracker or preset,
             settings=tuple(settings or ()),
             skin_sample=skin_sample,
             unit=unit,
             out=out,
             argv=tuple(sys.argv[1:]),
+            detections=detections,
         )
     )
 

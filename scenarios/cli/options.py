@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from pjpdaf.errors import BenchError
+
 Targets = Annotated[
     list[str] | None,
     typer.Argument(metavar="[SCENARIO|SUITE]...", help="Names, or YAML files."),
@@ -23,6 +25,13 @@ ScenarioSettings = Annotated[
     typer.Option("--set", metavar="KEY=VALUE", help="Change a scenario parameter. Repeatable."),
 ]
 Jobs = Annotated[int | None, typer.Option(help="Worker processes [all cores].")]
+Detections = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE|DIR",
+        help="2-D detections of another detector, CSV or Parquet, in place of --detector.",
+    ),
+]
 RunOut = Annotated[Path | None, typer.Option(help="Folder of the saved run [runs/NAME-DATE-TIME].")]
 ExportFormats = Annotated[
     str | None,
@@ -34,3 +43,9 @@ LeftView = Annotated[
 ]
 RightView = Annotated[Path, typer.Option(metavar="DIR|VIDEO", help="Right view, likewise.")]
 ResultsOut = Annotated[Path, typer.Option(metavar="DIR", help="New folder for all results.")]
+
+
+def refuse_both_detectors(detections: Path | None, detector: str | None) -> None:
+    """Raise BenchError where both --detections and --detector are given."""
+    if detections is not None and detector is not None:
+        raise BenchError("--detections takes the place of --detector: give one of them")

@@ -9,7 +9,15 @@ from typing import Annotated
 import typer
 
 from pjpdaf.errors import BenchError
-from scenarios.cli.options import Jobs, PlugInName, PresetName, RunOut, Targets
+from scenarios.cli.options import (
+    Detections,
+    Jobs,
+    PlugInName,
+    PresetName,
+    RunOut,
+    Targets,
+    refuse_both_detectors,
+)
 
 
 def run(
@@ -58,6 +66,7 @@ def run(
             help="Instead: the sequences of a data set; nothing is rendered.",
         ),
     ] = None,
+    detections: Detections = None,
 ) -> None:
     """Play scenarios, score them, print the table, save the run and its report.
 
@@ -66,6 +75,7 @@ def run(
     from scenarios.play.plan import PlanRequest
     from scenarios.run.run import RunRequest, run_suite
 
+    refuse_both_detectors(detections, detector)
     run_suite(
         RunRequest(
             PlanRequest(
@@ -74,11 +84,12 @@ def run(
                 first_seed=first_seed,
                 only=tuple(only or ()),
                 settings=tuple(settings or ()),
-                detector=detector or preset,
+                detector=detector or (preset if detections is None else detections.name),
                 tracker=tracker or preset,
                 keep_pictures=not slim,
                 keep_films=films and not slim,
                 dataset=from_,
+                detections=detections,
             ),
             preset=preset,
             jobs=jobs,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import nullcontext
 from dataclasses import replace
 
 from rich.console import Console
@@ -38,12 +39,13 @@ from sim.processes import WorkerPool
 SEQUENCES_A_WORKER = 64
 
 
-def make_dataset(request: MakeRequest) -> None:
+def make_dataset(request: MakeRequest, workers: WorkerPool | None = None) -> None:
     """Make a data set, or go on with an unfinished one, and print its size.
 
+    workers: a pool of the caller's, which stays open; without it `request.jobs` are started.
     Raises BenchError; Interrupted after a signal.
     """
-    workers = worker_count(request.jobs)
+    jobs = worker_count(request.jobs)
     recipes = plan_recipes(request)
     out = request.out.absolute()
     settings = {**request.labels.record(), "ladder": request.ladder}
@@ -55,7 +57,8 @@ def make_dataset(request: MakeRequest) -> None:
     with only_process(out), interrupts() as arrived, arrived.raising():
         check_same_dataset(out, settings, entries)
         try:
-            with WorkerPool(workers, SEQUENCES_A_WORKER) as pool:
+            own = WorkerPool(jobs, SEQUENCES_A_WORKER)
+            with own if workers is None else nullcontext(workers) as pool:
                 made_with = {"renderer": pool.renderer(), "versions": library_versions()}
                 check_same_versions(out, made_with)
                 remove_leftovers(out)
@@ -93,5 +96,5 @@ def make_dataset(request: MakeRequest) -> None:
     if tasks:
         summary += f", {decimal(size)} in {wall_s:.0f} s ({frames / wall_s:.1f} frames/s)"
     kept = len(entries) - len(tasks)
-    print(f"{summary}, {count(workers, 'worker')}" + (f"; {kept} were there" if kept else ""))
+    print(f"{summary}, {count(jobs, 'worker')}" + (f"; {kept} were there" if kept else ""))
     print(f"data set: {request.out}")

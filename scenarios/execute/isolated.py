@@ -56,10 +56,13 @@ def allow_plug_ins_from_here(*names: str) -> None:
         sys.path.append(here)
 
 
-def try_plug_ins(detector: str, tracker: str, limit_s: float = BUILD_LIMIT_S) -> None:
-    """Build plug-ins once in a process of their own; a preset needs no trial. Raises BenchError."""
+def try_plug_ins(detector: str | None, tracker: str, limit_s: float = BUILD_LIMIT_S) -> None:
+    """Build plug-ins once in a process of their own; a preset needs no trial. Raises BenchError.
+
+    detector: None where detections come from files.
+    """
     for kind, name in (("detector", detector), ("tracker", tracker)):
-        if name not in PRESETS:
+        if name is not None and name not in PRESETS:
             isolated(f"{kind} {name!r}", limit_s, _build, kind, name)
 
 

@@ -32,6 +32,8 @@ def learn_scene(session: TrackSession, warn: Callable[[str], None]) -> TrackSess
 
     Returns the session with the detector that has learnt them.
     """
+    if session.request.detections is not None:
+        return session
     detector = learn_background(session, warn)
     if session.request.skin_sample != Path(HEAD):
         return dataclasses.replace(session, detector=detector)

@@ -9,6 +9,7 @@ from typing import Any
 
 from pjpdaf.calibration import read_rig
 from pjpdaf.camera import StereoRig
+from pjpdaf.detector.external import ExternalDetector
 from pjpdaf.errors import BenchError
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import AnyTracker, Detector
@@ -26,6 +27,7 @@ from pjpdaf.sources import (
 from scenarios.execute.isolated import allow_plug_ins_from_here
 from scenarios.footage.skin_sample import skin_of_sample
 from scenarios.play.settings import read_settings
+from scenarios.tables.detections import read_detections, read_min_score
 
 UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 LARGE_BASELINE_M = 1.0  # two cameras that see one table are nearer
@@ -50,6 +52,7 @@ class TrackRequest:
     unit: str
     out: Path
     argv: tuple[str, ...]
+    detections: Path | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +90,10 @@ def prepare_session(request: TrackRequest, warn: Callable[[str], None]) -> Track
     settings = read_settings(request.settings)
     for key in settings.scenario:
         raise BenchError(f"--set {key}: footage has only detector.NAME and tracker.NAME to change")
-    _check_background(request)
+    if request.detections is None:
+        _check_background(request)
+    else:
+        _refuse_detector_options(request)
     if request.fps is not None and not 0 < request.fps <= 1000:
         raise BenchError(f"--fps must be above 0 and at most 1000, got {request.fps:g}")
     size_px = _first_size(request)
@@ -100,10 +106,14 @@ def prepare_session(request: TrackRequest, warn: Callable[[str], None]) -> Track
         )
     learnt = skin_of_sample(request.skin_sample)
     detector_settings = {**learnt, **settings.detector}
-    detector = make_detector(request.detector, rig.cameras, detector_settings)
+    detector: Detector
+    if request.detections is None:
+        detector = make_detector(request.detector, rig.cameras, detector_settings)
+    else:
+        detector = _external_detector(request.detections, rig, settings.detector)
     tracker = make_tracker(request.tracker, rig.cameras, settings.tracker)
     parameters: dict[str, Any] = {"detector": request.detector, "tracker": request.tracker}
-    if request.detector in PRESETS:
+    if request.detections is None and request.detector in PRESETS:
         chosen = override(find_preset(request.detector), detector_settings).detector
         parameters |= {f"detector.{key}": value for key, value in flat_values(chosen).items()}
     if request.tracker in PRESETS:
@@ -167,3 +177,27 @@ def _first_size(request: TrackRequest) -> tuple[int, int]:
         if picture is not None:
             return picture.shape[1], picture.shape[0]
     raise BenchError(f"{request.left}: no picture in it can be read.")
+
+
+def _external_detector(path: Path, rig: StereoRig, settings: Mapping[str, str]) -> ExternalDetector:
+    """The detections of a file for footage of unknown length. Raises BenchError."""
+    if path.is_dir():
+        raise BenchError(f"{path}: is a folder; `track` takes one file of detections.")
+    min_score = read_min_score(settings)
+    tables = read_detections(path, {"footage": rig.cameras}, {"footage": None}, min_score)
+    if not tables:
+        raise BenchError(f"{path}: has no detections.")
+    return ExternalDetector(rig.cameras, tables["footage"])
+
+
+def _refuse_detector_options(request: TrackRequest) -> None:
+    """Raise BenchError for options of a detector that --detections takes the place of."""
+    given = {
+        "--background-left": request.background_left,
+        "--background-right": request.background_right,
+        "--background-first": request.background_first,
+        "--skin-sample": request.skin_sample,
+    }
+    for option, value in given.items():
+        if value is not None:
+            raise BenchError(f"{option}: detections come from {request.detections}; leave it out")

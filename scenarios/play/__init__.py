@@ -1,1 +1,1 @@
-"""Playing an episode, and what is derived from it: blame, error budget, recipe."""
+"""Playing an episode, and its derived records: blame, error budget, recipe."""

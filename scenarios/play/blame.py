@@ -23,22 +23,22 @@ def with_blame(episode: Episode, cameras: Sequence[Camera], tracker: AnyTracker)
 def blame(
     episode: Episode, cameras: Sequence[Camera], tracker: AnyTracker
 ) -> Mapping[tuple[str, int, int], str]:
-    """(kind, target, first frame) of each swap, capture and loss -> the stage at fault, or NONE.
+    """The stage at fault, or NONE, for (kind, target, first frame) of each swap, capture and loss.
 
     The stages are tried in the order of `scenarios.play.oracle.STAGES`. Cured: no event of the same
     kind and target overlaps its frames.
     """
-    wrong = [event for event in find_events(episode) if event.kind in BLAMED]
-    found: dict[tuple[str, int, int], str] = {}
-    for stage in stages_of(tracker) if wrong else ():
+    failures = [event for event in find_events(episode) if event.kind in BLAMED]
+    stages: dict[tuple[str, int, int], str] = {}
+    for stage in stages_of(tracker) if failures else ():
         again = track_again(episode, cameras, tracker, Oracle(**{stage: True}))
-        left = find_events(again)
-        for event in wrong:
+        remaining = find_events(again)
+        for event in failures:
             key = (event.kind, event.target, event.first)
-            if key not in found and not any(_same(event, other) for other in left):
-                found[key] = stage
+            if key not in stages and not any(_same(event, other) for other in remaining):
+                stages[key] = stage
     return {
-        (e.kind, e.target, e.first): found.get((e.kind, e.target, e.first), NONE) for e in wrong
+        (e.kind, e.target, e.first): stages.get((e.kind, e.target, e.first), NONE) for e in failures
     }
 
 

@@ -33,7 +33,7 @@ def with_error_budget(episode: Episode, cameras: Sequence[Camera], tracker: AnyT
 def error_budget(
     episode: Episode, cameras: Sequence[Camera], tracker: AnyTracker
 ) -> Mapping[str, Floats]:
-    """Error (F, T) [m] of each of `BUDGET_LEVELS`, NaN in frames in which any of them has none.
+    """Errors (F, T) [m] by level of `BUDGET_LEVELS`, NaN in frames in which any level has no error.
 
     cameras: the calibration that the tracker was given. Empty for a tracker whose association
     cannot be replaced.
@@ -42,14 +42,14 @@ def error_budget(
         return {}
     centres = np.stack([outcome.truth.centres_m for outcome in episode.frames])
     known = track_again(episode, cameras, tracker, Oracle(association=True))
-    found = {
+    located = {
         "grid": _located(episode, cameras, _whole_pixels),
         "surface": _located(episode, cameras, _visible_centroids),
         "detector": _located(episode, cameras, _detections),
         "filter": _estimated(known),
         "association": _estimated(episode),
     }
-    errors = {name: np.linalg.norm(points - centres, axis=-1) for name, points in found.items()}
+    errors = {name: np.linalg.norm(points - centres, axis=-1) for name, points in located.items()}
     undefined = np.isnan(np.stack([errors[name] for name in BUDGET_LEVELS])).any(axis=0)
     return {name: np.where(undefined, np.nan, errors[name]) for name in BUDGET_LEVELS}
 

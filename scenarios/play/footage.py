@@ -17,7 +17,7 @@ from sim.truth import Truth
 
 
 class Footage(Protocol):
-    """What a job plays: a live simulation, or the same kept, such as in a data set."""
+    """The frames that a job plays: of a live simulation, or stored, as in a data set."""
 
     @property
     def fps(self) -> float:
@@ -41,7 +41,7 @@ class Footage(Protocol):
 
     @property
     def calibration(self) -> StereoRig:
-        """What the tracker is given."""
+        """The calibration that the tracker is given."""
         ...
 
     def background(self) -> list[StereoFrame]:

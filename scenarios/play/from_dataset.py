@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from pjpdaf.detector.external import DetectionTable
 from pjpdaf.errors import BenchError
 from pjpdaf.plugins.registry import make_detector, make_tracker
 from scenarios.play.job import Job, System
 from scenarios.play.recipe import read_recipe
 from scenarios.spec.suggestion import did_you_mean
+from scenarios.tables.detections import read_detections, read_min_score
 from sim.dataset.reader import Dataset, open_dataset
 from sim.dataset.stored_sequence import StoredSequence
 
@@ -30,26 +32,35 @@ def job_of_sequence(sequence: StoredSequence) -> Job:
     """
     recipe = read_recipe(sequence.recipe, sequence.folder)
     job = recipe.job
-    for name, found in (("label", job.name), ("seed", job.seed)):
-        if sequence.entry.get(name) != found:
+    for name, value in (("label", job.name), ("seed", job.seed)):
+        if sequence.entry.get(name) != value:
             raise BenchError(
-                f"{sequence.folder / 'recipe.json'}: its {name} is {found!r}, in the manifest it "
+                f"{sequence.folder / 'recipe.json'}: its {name} is {value!r}, in the manifest it "
                 f"is {sequence.entry.get(name)!r}; one of them was edited."
             )
     return replace(job, kept=sequence.folder.absolute(), size_px=recipe.settings.size_px)
 
 
 def jobs_of_dataset(
-    dataset: Dataset, system: System, only: Collection[str] = (), *, pictures: bool, films: bool
+    dataset: Dataset,
+    system: System,
+    only: Collection[str] = (),
+    *,
+    pictures: bool,
+    films: bool,
+    detections: Path | None = None,
 ) -> list[Job]:
     """The episodes of a data set in its order; only: of these names in the results.
 
-    pictures: keep some of the first seed of each name; films: keep all of all. Raises BenchError
-    for a recipe that cannot be read, a name or detector or tracker that does not exist.
+    pictures: keep some of the first seed of each name; films: keep all of all; detections: file or
+    folder of 2-D detections in place of a detector. Raises BenchError for a recipe or detections
+    that cannot be read, a name or detector or tracker that does not exist.
     """
-    # Of a copy: what a sequence has read would stay with it, and there may be thousands.
-    found = [job_of_sequence(replace(one)) for one in dataset.sequences]
-    jobs = [replace(job, system=system, keep_film=films) for job in found]
+    # Of copies: a sequence keeps the tables that it has read, and there may be thousands.
+    jobs = [job_of_sequence(replace(sequence)) for sequence in dataset.sequences]
+    jobs = [replace(job, system=system, keep_film=films) for job in jobs]
+    if detections is not None:
+        jobs = with_detections(jobs, dataset, detections, system.detector_settings)
     names = list(dict.fromkeys(job.name for job in jobs))
     for name in only:
         if name not in names:
@@ -62,9 +73,30 @@ def jobs_of_dataset(
     for job in {job.name: job for job in reversed(jobs)}.values():
         assert job.kept is not None
         cameras = StoredSequence(job.kept, {}).calibration.cameras
-        make_detector(system.detector, cameras, system.detector_settings)
+        if detections is None:
+            make_detector(system.detector, cameras, system.detector_settings)
         make_tracker(system.tracker, cameras, system.tracker_settings)
     return [replace(j, keep_pictures=pictures and j.seed == first[j.name]) for j in jobs]
+
+
+def with_detections(
+    jobs: Iterable[Job], dataset: Dataset, path: Path, settings: Mapping[str, str]
+) -> list[Job]:
+    """The jobs with their detections from a file or folder; none in a sequence that is not in it.
+
+    settings: of the detector; only min_score has a meaning. Raises BenchError.
+    """
+    sequences = {one.folder.name: replace(one) for one in dataset.sequences}
+    tables = read_detections(
+        path,
+        {name: one.calibration.cameras for name, one in sequences.items()},
+        {name: one.frame_count for name, one in sequences.items()},
+        read_min_score(settings),
+    )
+    if not tables:
+        raise BenchError(f"{path}: has no detections.")
+    nothing = (DetectionTable.empty(), DetectionTable.empty())
+    return [replace(job, detections=tables.get(job.kept.name, nothing)) for job in jobs if job.kept]
 
 
 def check_once(dataset: Dataset, episodes: Iterable[tuple[str, int]]) -> None:

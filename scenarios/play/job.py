@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from pjpdaf.detector.external import DetectionTable
 from scenarios.spec.parameters.file import File, contents
 from scenarios.spec.scenario import Scenario, digest
 from sim.motion.stage import Value
@@ -29,7 +30,8 @@ class Job:
 
     keep_pictures: keep overlay pictures of some frames; keep_film: keep small plain pictures of
     all frames. label: its name in the results, "" for the scenario's; kept: folder of a data set's
-    sequence that is read instead of rendering; size_px: width and height of its pictures, None for
+    sequence that is read instead of rendering; detections: a table a view in place of a detector;
+    size_px: width and height of its pictures, None for
     the scenario's. Files among the overrides are read when the job is made, and raise BenchError
     where that fails.
     """
@@ -43,6 +45,7 @@ class Job:
     keep_film: bool = False
     kept: Path | None = None
     size_px: tuple[int, int] | None = None
+    detections: tuple[DetectionTable, ...] | None = None
 
     def __post_init__(self) -> None:
         checked = dict(self.overrides)

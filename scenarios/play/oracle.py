@@ -163,16 +163,16 @@ def true_assignment(truth: Truth, seen: Sequence[Detections], cameras: Sequence[
     """
     T = len(truth.centres_m)
     assigned = np.full((len(cameras), T, 2), np.nan)
-    for n, (view, found, camera) in enumerate(zip(truth.views, seen, cameras, strict=True)):
+    for n, (view, detections, camera) in enumerate(zip(truth.views, seen, cameras, strict=True)):
         shown = np.flatnonzero(view.visible_px >= LEAST_VISIBLE_PX)
-        if not len(shown) or not len(found):
+        if not len(shown) or not len(detections):
             continue
         marks = undistort_points(camera, view.centroids_px[shown])
-        far = np.linalg.norm(marks[:, None] - found.centres_px[None], axis=-1)
+        far = np.linalg.norm(marks[:, None] - detections.centres_px[None], axis=-1)
         rows, columns = linear_sum_assignment(np.minimum(far, 4 * SAME_PX))
         for row, column in zip(rows, columns, strict=True):
             if far[row, column] <= SAME_PX:
-                assigned[n, shown[row]] = found.centres_px[column]
+                assigned[n, shown[row]] = detections.centres_px[column]
     return assigned
 
 

@@ -32,7 +32,8 @@ class PlanRequest:
     many as the suite says; only: labels of the scenarios to keep, all without; settings: `--set`
     arguments; detector, tracker: preset, entry point or module:factory; keep_pictures: of some
     frames of each scenario's first seed; keep_films: of every episode; dataset: folder of a data
-    set whose sequences are read instead of rendering `targets`.
+    set whose sequences are read instead of rendering `targets`; detections: file or folder of 2-D
+    detections of that data set, in place of a detector.
     """
 
     targets: tuple[str, ...] = ()
@@ -45,6 +46,7 @@ class PlanRequest:
     keep_pictures: bool = False
     keep_films: bool = False
     dataset: Path | None = None
+    detections: Path | None = None
 
 
 def plan(request: PlanRequest) -> list[Job]:
@@ -61,6 +63,8 @@ def plan(request: PlanRequest) -> list[Job]:
         )
     settings = read_settings(request.settings)
     system = System(request.detector, request.tracker, settings.detector, settings.tracker)
+    if request.detections is not None and request.dataset is None:
+        raise BenchError("--detections goes with --from DATASET: they are of a data set's pictures")
     if request.dataset is not None:
         return _plan_of_dataset(request, request.dataset, settings, system)
     scenarios = _selected(
@@ -122,6 +126,7 @@ def _plan_of_dataset(
         request.only,
         pictures=request.keep_pictures,
         films=request.keep_films,
+        detections=request.detections,
     )
 
 

@@ -1,4 +1,4 @@
-"""One episode: footage -> detector -> tracker -> what is scored."""
+"""One episode: footage -> detector -> tracker -> the records that are scored."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from pjpdaf.camera import StereoRig
+from pjpdaf.detector.external import DetectionTable, ExternalDetector
 from pjpdaf.follow import FollowedFrame, follow
 from pjpdaf.interfaces import Detector, Tracker
 from pjpdaf.plugins.checked import CheckedDetector, CheckedTracker
@@ -24,15 +25,22 @@ from scenarios.spec.draw import concrete
 from sim.truth import Truth
 
 
-def make_system(system: System, rig: StereoRig) -> tuple[Detector, Tracker[Any]]:
+def make_system(
+    system: System, rig: StereoRig, detections: tuple[DetectionTable, ...] | None = None
+) -> tuple[Detector, Tracker[Any]]:
     """Detector (background not learnt yet) and tracker for these cameras.
 
-    What a plug-in answers is checked; but for a PJPDAF, whose parts the oracle replaces.
+    detections: looked up instead of detected. The answers of a plug-in are checked, except those of
+    a PJPDAF, whose stages the oracle replaces.
     """
-    detector = make_detector(system.detector, rig.cameras, system.detector_settings)
-    if system.detector not in PRESETS:
-        name = f"detector {system.detector!r}"
-        detector = CheckedDetector(name, detector, len(rig.cameras))
+    detector: Detector
+    if detections is not None:
+        detector = ExternalDetector(rig.cameras, detections)
+    else:
+        detector = make_detector(system.detector, rig.cameras, system.detector_settings)
+        if system.detector not in PRESETS:
+            name = f"detector {system.detector!r}"
+            detector = CheckedDetector(name, detector, len(rig.cameras))
     tracker = make_tracker(system.tracker, rig.cameras, system.tracker_settings)
     if not isinstance(tracker, PJPDAF):
         tracker = CheckedTracker(f"tracker {system.tracker!r}", tracker)
@@ -45,7 +53,7 @@ def play(job: Job) -> Episode:
     Raises what scenario, plug-in or renderer raise, BenchError for a damaged file of a data set.
     """
     with open_footage(job) as footage:
-        detector, tracker = make_system(job.system, footage.calibration)
+        detector, tracker = make_system(job.system, footage.calibration, job.detections)
         return play_footage(job, footage, detector, tracker)
 
 
@@ -58,7 +66,7 @@ def play_complete(job: Job) -> Episode:
 def complete_episode(job: Job, footage: Footage) -> Episode:
     """Play footage; the episode with blame, error budget, pictures and film. Raises as `play`."""
     cameras = footage.calibration.cameras
-    detector, tracker = make_system(job.system, footage.calibration)
+    detector, tracker = make_system(job.system, footage.calibration, job.detections)
     collector = PictureCollector(
         footage.rig.cameras, footage.frame_count, pictures=job.keep_pictures, film=job.keep_film
     )

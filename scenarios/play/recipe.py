@@ -28,7 +28,7 @@ SMALLEST, LARGEST = 32, 4096  # width and height of a picture
 
 @dataclass(frozen=True)
 class SequenceSettings:
-    """What a data set's pictures and labels depend on beside its scenarios.
+    """The settings of a data set beside its scenarios: labels and picture size.
 
     size_px: width and height; the focal length goes with the width. None: as the scenario has it.
     """
@@ -90,7 +90,7 @@ class Recipe:
 
 
 def sized(performance: Performance, size_px: tuple[int, int] | None) -> Performance:
-    """The same filmed in pictures of another size; what is seen across stays the same."""
+    """The performance filmed in pictures of another size; the horizontal field of view stays."""
     if size_px is None:
         return performance
     rig = performance.scene.rig
@@ -108,13 +108,13 @@ def sized(performance: Performance, size_px: tuple[int, int] | None) -> Performa
 
 def files_of(job: Job) -> dict[str, FileText]:
     """The files that a job plays, by parameter."""
-    found: dict[str, FileText] = {}
+    files: dict[str, FileText] = {}
     for name, parameter in job.scenario.parameters.items():
         if isinstance(parameter, File):
             value = job.overrides.get(name, parameter.file)
             assert isinstance(value, FileText), "a job has found its files"
-            found[name] = value
-    return found
+            files[name] = value
+    return files
 
 
 def stored_name(file: FileText) -> str:
@@ -232,20 +232,20 @@ def _settings(record: Any, path: Path) -> SequenceSettings:
 
 
 def _clips(record: Mapping[str, Any], folder: Path, path: Path) -> dict[str, FileText]:
-    """Its files, each proved to be the one that was played."""
+    """The clips that a recipe names, each checked against its digest."""
     named = record.get("files")
     if not isinstance(named, Mapping):
         raise BenchError(f"{path}: files must be names and digests by parameter.")
-    found = {}
-    for parameter, one in named.items():
+    clips = {}
+    for parameter, entry in named.items():
         try:
-            file = file_named(str(one["name"]), folder / FILES)
+            file = file_named(str(entry["name"]), folder / FILES)
         except (KeyError, TypeError, ValueError) as fault:
             raise BenchError(f"{path}: files.{parameter}: {fault}") from None
-        if file.sha256 != one.get("sha256"):
+        if file.sha256 != entry.get("sha256"):
             raise BenchError(f"{file.path}: is not the file that {path.name} names.")
-        found[parameter] = file
-    return found
+        clips[parameter] = file
+    return clips
 
 
 def _scenario(record: Mapping[str, Any], clips: Mapping[str, FileText], path: Path) -> Scenario:

@@ -74,7 +74,7 @@ def faults(lock: Lock, records: Lock) -> list[str]:
         if locked is None:
             lines.append(f"{name} is not locked: run `{COMMAND}` and commit {FILE}")
         elif locked["entries"] != now["entries"]:
-            lines.append(_what_changed(name, locked, now))
+            lines.append(_change_message(name, locked, now))
         elif locked["digest"] != now["digest"]:
             lines.append(
                 f"{name} was locked with metrics version {locked['metrics_version']}, now it is "
@@ -83,12 +83,12 @@ def faults(lock: Lock, records: Lock) -> list[str]:
     return lines
 
 
-def _what_changed(name: str, locked: Mapping[str, Any], now: Mapping[str, Any]) -> str:
+def _change_message(name: str, locked: Mapping[str, Any], now: Mapping[str, Any]) -> str:
     suite = name.partition("@")[0]
     before, after = locked["entries"], now["entries"]
     labels = [label for label in {**before, **after} if before.get(label) != after.get(label)]
     # The order of the entries is all that can differ else.
-    what = ", ".join(labels[:5]) + (", ..." if len(labels) > 5 else "") or "the order"
+    changed = ", ".join(labels[:5]) + (", ..." if len(labels) > 5 else "") or "the order"
     kept = sorted(
         {
             str(after[label]).partition("@")[0]
@@ -100,8 +100,9 @@ def _what_changed(name: str, locked: Mapping[str, Any], now: Mapping[str, Any]) 
     )
     raised = f"raise `version` of {', '.join(kept[:5])} in scenarios/catalog/, " if kept else ""
     return (
-        f"{name} is locked, but has changed ({what}): {raised}set `version: {now['version'] + 1}` "
-        f"in scenarios/suites/{suite}.yaml, run `{COMMAND}` and commit {FILE}"
+        f"{name} is locked, but has changed ({changed}): {raised}set "
+        f"`version: {now['version'] + 1}` in scenarios/suites/{suite}.yaml, "
+        f"run `{COMMAND}` and commit {FILE}"
     )
 
 
@@ -117,7 +118,7 @@ def updated_lock(lock: Lock, records: Lock, *, replace: bool = False) -> dict[st
         if name in lock and lock[name]["entries"] != records[name]["entries"]
     ]
     if changed and not replace:
-        raise BenchError(_what_changed(changed[0], lock[changed[0]], records[changed[0]]))
+        raise BenchError(_change_message(changed[0], lock[changed[0]], records[changed[0]]))
     return {name: dict(one) for name, one in sorted({**lock, **records}.items())}
 
 

@@ -152,12 +152,12 @@ def _check_reproducible(
         mine, played = played[: len(jobs)], played[len(jobs) :]
         for job, row in zip(jobs, mine, strict=True):
             if not same_episode(run, row):
-                what = f"{job.name} seed {job.seed} of {run.folder} comes out differently now"
-                raise CannotEscalate(manual_command(run, what))
+                reason = f"{job.name} seed {job.seed} of {run.folder} comes out differently now"
+                raise CannotEscalate(manual_command(run, reason))
 
 
 def same_episode(run: SavedRun, row: EpisodeRows) -> bool:
-    """Whether an episode that was played again is the one in the run, in all its sums."""
+    """Whether an episode, played again, gives the counts and sums that the run has of it."""
     now = measured(tables_of([row])["episodes"].to_pandas())
     mine = (run.episodes["scenario"] == row.scenario) & (run.episodes["seed"] == row.seed)
     return bool(now.equals(measured(run.episodes[mine]).reset_index(drop=True)))

@@ -38,19 +38,19 @@ def load_margins(path: Path) -> Mapping[str, float]:
 
 
 def read_margins(pairs: tuple[str, ...]) -> Mapping[str, float]:
-    """`--margin METRIC=VALUE` words. Raises BenchError."""
-    found: dict[str, float] = {}
+    """Read the values of `--margin METRIC=VALUE`. Raises BenchError."""
+    margins: dict[str, float] = {}
     for pair in pairs:
         name, equals, value = pair.partition("=")
         try:
             number = float(value)
         except ValueError:
             raise BenchError(f"--margin {pair}: must be METRIC=VALUE, a number") from None
-        if not equals or name in found:
+        if not equals or name in margins:
             raise BenchError(f"--margin {pair}: must be METRIC=VALUE, each metric once")
-        found[name] = number
+        margins[name] = number
         try:
             with_margins({name: number})
         except BenchError as fault:
             raise BenchError(f"--margin {pair}: {fault}") from None
-    return found
+    return margins

@@ -65,7 +65,7 @@ class BenchRun:
 
 
 class PlayRun(Protocol):
-    """What the fixture `pjpdaf_run` gives."""
+    """The function that the fixture `pjpdaf_run` hands to a test."""
 
     def __call__(
         self,

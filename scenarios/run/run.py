@@ -61,7 +61,8 @@ def run_suite(request: RunRequest) -> None:
     workers = worker_count(request.jobs)
     wanted = request.plan
     allow_plug_ins_from_here(wanted.detector, wanted.tracker)
-    try_plug_ins(wanted.detector, wanted.tracker)
+    # Detections from files have no code to be tried.
+    try_plug_ins(wanted.detector if wanted.detections is None else None, wanted.tracker)
     jobs = plan(wanted)
     names = wanted.targets if wanted.dataset is None else (wanted.dataset.absolute().name,)
     folder = request.out or default_folder(names)

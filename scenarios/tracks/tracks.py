@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,10 +13,13 @@ from pjpdaf.arrays import Floats
 from pjpdaf.errors import BenchError
 from pjpdaf.interfaces import STATUSES
 from pjpdaf.targets import TARGETS
-from scenarios.tracks.rows import DEVIATION, POSITION
+from scenarios.tables.cells import read_frame, read_number
+from scenarios.tables.rows import Columns
 
+POSITION = ("x_m", "y_m", "z_m")
+DEVIATION = ("sd_x_m", "sd_y_m", "sd_z_m")
+COLUMNS = Columns(("frame", "target", *POSITION), ("status", *DEVIATION))
 TRACKED, LOST = "tracked", "lost"
-FARTHEST_M = 1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +54,7 @@ class TracksBuilder:
 
     def add(self, where: str, row: Mapping[str, Any]) -> None:
         """Add a row. where: its place, with which messages begin. Raises BenchError."""
-        frame = _frame(where, row["frame"], self._frames)
+        frame = read_frame(where, row["frame"], self._frames)
         target = row["target"]
         if target not in TARGETS:
             raise BenchError(
@@ -84,43 +86,11 @@ class TracksBuilder:
         return Tracks(self._path, self._positions, self._sd, tuple(map(tuple, self._status)))
 
 
-def _frame(where: str, cell: Any, frames: int) -> int:
-    number = _number(where, "frame", cell)
-    if number is None or not number.is_integer():
-        raise BenchError(f"{where}: frame must be a whole number, got {str(cell)[:40]!r}")
-    if not 0 <= number < frames:
-        raise BenchError(
-            f"{where}: frame {number:.0f} is not in the sequence: its {frames} frames count from "
-            f"0 to {frames - 1}"
-        )
-    return int(number)
-
-
 def _three_numbers(where: str, row: Mapping[str, Any], names: Sequence[str]) -> list[float] | None:
     """Read three numbers; None where all three cells are empty or missing."""
-    numbers = {name: _number(where, name, row.get(name)) for name in names}
+    numbers = {name: read_number(where, name, row.get(name), "metres are") for name in names}
     values = [value for value in numbers.values() if value is not None]
     if 0 < len(values) < len(names):
         empty = next(name for name, value in numbers.items() if value is None)
         raise BenchError(f"{where}: {empty} is empty; give all of {', '.join(names)} or none")
     return values or None
-
-
-def _number(where: str, name: str, cell: Any) -> float | None:
-    """Read a finite number; None for an empty cell."""
-    if cell is None or cell == "":
-        return None
-    try:
-        if isinstance(cell, bool) or (isinstance(cell, str) and "_" in cell):
-            raise ValueError
-        value = float(cell)
-    except (TypeError, ValueError, OverflowError):
-        raise BenchError(f"{where}: {name} must be a number, got {str(cell)[:40]!r}") from None
-    if not math.isfinite(value):
-        raise BenchError(
-            f"{where}: {name} is {cell}; where there is no estimate, leave the row out, or its "
-            "cells empty"
-        )
-    if abs(value) > FARTHEST_M:
-        raise BenchError(f"{where}: {name} is {value:g}: metres are expected")
-    return value

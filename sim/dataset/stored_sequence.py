@@ -10,10 +10,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 import pyarrow as pa
 from numpy.typing import NDArray
 
@@ -30,6 +29,9 @@ from sim.dataset.labels.instances import Instance
 from sim.dataset.labels.records import Matches
 from sim.scene.world import CAMERAS
 from sim.truth import Truth
+
+if TYPE_CHECKING:  # what plays a sequence is spared the time that pandas takes to load
+    import pandas as pd
 
 MAX_PICTURE_BYTES = 1 << 30
 # Columns of truth.parquet that a Truth does not need, and that take long to read.

@@ -5,12 +5,23 @@ import os
 import random
 import signal
 import threading
-import time
 from contextlib import suppress
-from pathlib import Path
 
 import pytest
 from commands import worker_pids
+from worker_tasks import (
+    SlowToArrive,
+    answers,
+    cannot_be_sent,
+    dies,
+    dies_once,
+    double,
+    fails,
+    hangs,
+    pid,
+    slow_and_large,
+    starts_a_process,
+)
 
 from sim.processes import ATTEMPTS, Answer, Lost, WorkerPool
 
@@ -29,54 +40,6 @@ def outcomes(function, tasks, workers=2, limit_s=60.0, **options):
         outcomes = [pair for pair in pool.outcomes(function, tasks, limit_s, **options) if pair]
     assert set(multiprocessing.active_children()) <= before
     return dict(outcomes)
-
-
-def double(x):
-    return 2 * x
-
-
-def dies(x):
-    if x == 1:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return 2 * x
-
-
-def dies_once(path):
-    if not Path(path).exists():
-        Path(path).touch()
-        os._exit(3)
-    return "again"
-
-
-def hangs(x):
-    time.sleep(1000 if x == 1 else 0)
-    return x
-
-
-def fails(x):
-    if x == 1:
-        raise KeyError("one")
-    return x
-
-
-def cannot_be_sent(x):
-    return lambda: x
-
-
-def pid(x):
-    return os.getpid()
-
-
-def slow_and_large(x):
-    time.sleep(0.02)
-    return bytes([x]) * 3_000_000
-
-
-def starts_a_process(x):
-    child = multiprocessing.get_context("spawn").Process(target=double, args=(1,))
-    child.start()
-    child.join()
-    return child.exitcode
 
 
 def test_every_task_has_its_answer():
@@ -108,17 +71,6 @@ def test_what_a_task_raises_comes_out():
         outcomes(fails, {n: n for n in range(4)})
     with pytest.raises(RuntimeError, match="its answer cannot be sent"):
         outcomes(cannot_be_sent, {0: 0})
-
-
-def answers(task):
-    return task
-
-
-class SlowToArrive:
-    """A task that takes a second to be unpickled in the worker, as imports do."""
-
-    def __reduce__(self):
-        return time.sleep, (1.0,)
 
 
 def test_the_limit_is_of_the_task_alone():
@@ -169,9 +121,9 @@ def test_workers_killed_at_random_moments_lose_no_answer(others):
     with WorkerPool(2) as pool:
         thread.start()
         try:
-            tasks = {n: n for n in range(60)}
+            tasks = {n: n for n in range(30)}
             found = dict(o for o in pool.outcomes(slow_and_large, tasks, 60.0, attempts=99) if o)
         finally:
             over.set()
             thread.join()
-    assert found == {n: Answer(bytes([n]) * 3_000_000) for n in range(60)}
+    assert found == {n: Answer(bytes([n]) * 3_000_000) for n in range(30)}

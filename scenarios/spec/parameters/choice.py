@@ -13,7 +13,7 @@ from sim.motion.stage import Value
 
 
 class Choice(Record):
-    """One of some words, equally likely or by weight."""
+    """A choice among named options, equally likely or by weight."""
 
     choices: Annotated[tuple[Name, ...], Field(min_length=1)]
     weights: tuple[Annotated[Number, Field(ge=0)], ...] | None = None

@@ -18,6 +18,22 @@ from pjpdaf.tracker.state import TrackState
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _painted_once():
+    """Each picture of the wall is painted once for all tests: to paint it takes most of a check."""
+    pictures = {}
+
+    def remembered(points_m, index, seed=0):
+        key = (None if points_m is None else points_m.tobytes(), index, seed)
+        if key not in pictures:
+            pictures[key] = painted(points_m, index, seed)
+        return pictures[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("pjpdaf.plugins.detector_check.painted", remembered)
+        yield
+
+
 class Tracker:
     """Right in everything; the faulty ones change one thing."""
 

@@ -3,8 +3,7 @@
 import pytest
 
 from pjpdaf.errors import BenchError
-from reports.run.films import read_film
-from reports.run.load import load
+from reports.run.load import load, read_film
 
 
 def test_films_are_kept_whole_and_checked(run):

@@ -7,11 +7,10 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
-from commands import worker_pids
+from commands import wait_until, worker_pids
 from made_dataset import contents, made_dataset, request
 
 from pjpdaf.errors import BenchError
@@ -23,7 +22,7 @@ from sim.dataset.files.reading import read_json
 from sim.dataset.reader import open_dataset
 
 WORDS = ["cross", "recorded", "--seeds", "2", "--first-seed", "100", "--size", "96x72"]
-WORDS += ["--set", "frames=4", "--set", "background_frames=1", "--labels", "depth,seg"]
+WORDS += ["--set", "frames=4", "--set", "background_frames=2", "--labels", "depth,seg"]
 WORDS += ["--export", "none"]
 
 
@@ -38,8 +37,8 @@ def made(tmp_path_factory):
 
 
 @pytest.mark.parametrize("jobs", [2, pytest.param(4, marks=pytest.mark.long)])
-def test_any_number_of_workers_makes_the_same_bytes(made, tmp_path, jobs):
-    make(request(tmp_path / "set", jobs=jobs))
+def test_any_number_of_workers_makes_the_same_bytes(made, tmp_path, jobs, executor):
+    make(request(tmp_path / "set", jobs=jobs), executor if jobs == 2 else None)
     assert contents(tmp_path / "set") == contents(made)
 
 
@@ -66,12 +65,12 @@ def assert_whole(out, made):
         assert contents(folder) == contents(made / folder.name)
 
 
-def kill_and_go_on(out, made, rng, most_kills):
+def kill_and_go_on(out, made, rng, most_kills, jobs, executor):
     """Start, kill parent or a worker at a random moment, look, start again; until undisturbed."""
-    kills, errors = 0, out.with_name("errors.txt")
+    kills, errors, finished = 0, out.with_name("errors.txt"), False
     while kills < most_kills:
         with errors.open("w") as stream:
-            process = subprocess.Popen(command(out), stdout=subprocess.DEVNULL, stderr=stream)
+            process = subprocess.Popen(command(out, jobs), stdout=subprocess.DEVNULL, stderr=stream)
         try:
             process.wait(rng.uniform(0.2, 4.0))
         except subprocess.TimeoutExpired:
@@ -86,31 +85,47 @@ def kill_and_go_on(out, made, rng, most_kills):
                 # The parent replaces it. A worker that is killed in its start is one of three.
                 assert process.wait(120) == 0, errors.read_text()
         assert_whole(out, made)
-        if process.wait() == 0:
+        if finished := process.wait() == 0:
             assert contents(out) == contents(made)
             shutil.rmtree(out)
-    make(request(out))
-    assert contents(out) == contents(made)
+    if not finished:
+        make(request(out), executor)
+        assert contents(out) == contents(made)
 
 
-def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(made, tmp_path):
-    kill_and_go_on(tmp_path / "set", made, random.Random(1), most_kills=2)
+def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(made, tmp_path, executor):
+    kill_and_go_on(tmp_path / "set", made, random.Random(1), 2, 1, executor)
 
 
 @pytest.mark.long
-def test_killed_fifty_times_it_goes_on_to_the_same_bytes(made, tmp_path):
-    kill_and_go_on(tmp_path / "set", made, random.Random(2), most_kills=50)
+def test_killed_fifty_times_it_goes_on_to_the_same_bytes(made, tmp_path, executor):
+    kill_and_go_on(tmp_path / "set", made, random.Random(2), 50, 2, executor)
 
 
-def test_interrupted_it_keeps_what_is_finished_and_says_so(made, tmp_path):
+def stop(process):
+    """Stop a process and its workers until SIGCONT, and wait until they stand still."""
+    pids = [process.pid, *worker_pids(process.pid)]
+    for pid in pids:
+        os.kill(pid, signal.SIGSTOP)
+    for pid in pids:
+        wait_until(lambda path=Path(f"/proc/{pid}/stat"): path.read_text().split(") ")[1][0] == "T")
+    return pids
+
+
+def test_interrupted_it_keeps_what_is_finished_and_a_second_maker_is_refused(
+    made, tmp_path, executor
+):
     out = tmp_path / "set"
     process = subprocess.Popen(
         command(out, 1), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
     )
-    while not (out / "seq_000001").is_dir():
-        assert process.poll() is None
-        time.sleep(0.02)
+    wait_until((out / "seq_000001").is_dir, process)
+    stopped = stop(process)
+    with pytest.raises(BenchError, match="another process is making this data set"):
+        make(request(out), executor)
     process.send_signal(signal.SIGINT)
+    for pid in stopped:
+        os.kill(pid, signal.SIGCONT)
     output = process.communicate(timeout=120)[1]
     assert process.returncode == 130
     assert "sequences are in" in output
@@ -119,23 +134,8 @@ def test_interrupted_it_keeps_what_is_finished_and_says_so(made, tmp_path):
     assert not list(out.glob(".part-*"))
     assert_whole(out, made)
     assert len(open_dataset(out).sequences) >= 2
-    make(request(out))
+    make(request(out), executor)
     assert contents(out) == contents(made)
-
-
-def test_a_second_maker_is_refused(tmp_path):
-    out = tmp_path / "set"
-    quiet = subprocess.DEVNULL
-    process = subprocess.Popen(command(out, 1), stdout=quiet, stderr=quiet)
-    try:
-        while not (out / "manifest.json").exists():
-            assert process.poll() is None
-            time.sleep(0.02)
-        with pytest.raises(BenchError, match="another process is making this data set"):
-            make(request(out))
-    finally:
-        process.kill()
-        process.wait()
 
 
 OTHERS = (
@@ -195,11 +195,12 @@ def test_a_full_disk_is_one_line_and_what_is_finished_stays(made):
     assert ".part" not in done.stdout
 
 
-def test_the_ladder_has_the_same_poses_on_every_rung(tmp_path):
+def test_the_ladder_has_the_same_poses_on_every_rung(tmp_path, executor):
     out = tmp_path / "set"
     larger = SequenceSettings(("depth", "seg"), (240, 180))  # so that something moves by pixels
     settings = ("frames=3", "fps=1", "background_frames=1")
-    make(request(out, targets=("cross",), seeds=1, ladder=True, settings=settings, labels=larger))
+    changes = {"targets": ("cross",), "seeds": 1, "settings": settings, "labels": larger}
+    make(request(out, ladder=True, **changes), executor)
     dataset = open_dataset(out)
     assert [s.entry["rung"] for s in dataset.sequences] == list(RUNGS)
     by_rung = dict(zip(RUNGS, dataset.sequences, strict=True))
@@ -222,11 +223,11 @@ def test_the_ladder_has_the_same_poses_on_every_rung(tmp_path):
         make(request(tmp_path / "other", ladder=True, settings=("noise_sd=2",)))
 
 
-def test_a_size_changes_the_pictures_and_not_what_is_seen(made, tmp_path):
+def test_a_size_changes_the_pictures_and_not_what_is_seen(made, tmp_path, executor):
     out = tmp_path / "set"
     short = ("frames=2", "background_frames=1")
     labels = SequenceSettings(("seg",), (192, 144))
-    make(request(out, targets=("cross",), seeds=1, settings=short, labels=labels))
+    make(request(out, targets=("cross",), seeds=1, settings=short, labels=labels), executor)
     large, small = open_dataset(out).sequences[0], open_dataset(made).sequences[0]
     assert large.seg(0, 0).shape == (144, 192)
     assert large.rig.left.K[0, 0] == pytest.approx(2 * small.rig.left.K[0, 0])
@@ -239,7 +240,7 @@ def test_a_tracker_is_not_part_of_a_data_set(tmp_path):
         make(request(tmp_path / "set", settings=("tracker.gate=4",)))
 
 
-def test_a_data_set_of_another_renderer_is_not_gone_on_with(made, tmp_path):
+def test_a_data_set_of_another_renderer_is_not_gone_on_with(made, tmp_path, executor):
     out = tmp_path / "set"
     shutil.copytree(made, out)
     shutil.rmtree(out / "seq_000001")
@@ -248,6 +249,6 @@ def test_a_data_set_of_another_renderer_is_not_gone_on_with(made, tmp_path):
     (out / "manifest.json").write_text(json.dumps(record | {"complete": False}))
     message = "was begun with another OpenGL library or other versions"
     with pytest.raises(BenchError, match=message) as fault:
-        make(request(out))
+        make(request(out), executor)
     assert fault.value.exit_code == 2
     assert not (out / "seq_000001").exists()

@@ -98,7 +98,9 @@ def test_whatever_a_plug_in_does_ends_its_episode_alone(tmp_path, monkeypatch, f
     monkeypatch.syspath_prepend(tmp_path)
     name = f"garbage_plug_ins:{factory}"
     monkeypatch.delitem(sys.modules, "garbage_plug_ins", raising=False)
-    job = Job(load_scenario("calm_table"), 100, {"frames": 2}, System(tracker=name))
+    job = Job(
+        load_scenario("calm_table"), 100, {"frames": 2}, System(tracker=name), size_px=(320, 240)
+    )
     said = _play_safely(job).failure
     if factory != "Interrupts":  # in the parent that is Ctrl-C, so only a worker knows better
         reason = f"frame 1: tracker '{name}': {reason}"

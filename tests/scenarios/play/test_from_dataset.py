@@ -30,21 +30,22 @@ from sim.dataset.writer import write_sequence
 from sim.sequence import Simulation
 
 ROOT = Path(__file__).parents[3]
-LEARNT = {"background_frames": 10}
+SIZE_PX = (320, 240)
 
 
 def job(name, seed, label="", **overrides):
-    return Job(load_scenario(name), seed, {**LEARNT, **overrides}, System(), label=label)
+    values = {"background_frames": 10, **overrides}
+    return Job(load_scenario(name), seed, values, System(), label=label)
 
 
 # A rung of a ladder; pictures that are lost, and a calibration with an error.
 JOBS = (
-    job("cross", 101, frames=8),
+    job("cross", 101, frames=5),
     job("cross", 102, "cross+noise", frames=4, noise_sd=4.0, dropped=10, calibration_baseline=2.0),
 )
 
 
-def make(folder, jobs, size_px=None):
+def make(folder, jobs, size_px=SIZE_PX):
     """A data set of these episodes, pictures and truth only."""
     folder.mkdir()
     entries = []
@@ -90,7 +91,9 @@ def request(dataset, **changes):
 
 @pytest.fixture(scope="module")
 def live():
-    return [rows_of(play_complete(replace(one, keep_pictures=True))) for one in JOBS]
+    return [
+        rows_of(play_complete(replace(one, keep_pictures=True, size_px=SIZE_PX))) for one in JOBS
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -100,7 +103,7 @@ def kept(made):
 
 def test_every_table_is_that_of_the_live_run(live, kept):
     one, other = tables_of(live), tables_of(kept)
-    assert one["frames"].num_rows == 3 * (8 + 4)
+    assert one["frames"].num_rows == 3 * (5 + 4)
     for name, table in one.items():
         # pandas takes NaN for equal to NaN, Arrow does not.
         assert table.to_pandas().equals(other[name].to_pandas()), name
@@ -140,7 +143,7 @@ def test_a_whole_run_needs_no_renderer(made, live, tmp_path):
         (blocked / f"{name}.py").write_text("raise ImportError('blocked')")
     path = os.pathsep.join([str(blocked), str(ROOT)])
     done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, str(tmp_path / "run"), "2", str(made)],
+        [sys.executable, "-c", SCRIPT, str(tmp_path / "run"), "1", str(made)],
         env={**os.environ, "PYTHONPATH": path, "MUJOCO_GL": "disabled"},
         capture_output=True,
         text=True,
@@ -164,7 +167,7 @@ def test_only_and_slim_and_films(made):
 
 
 def test_another_tracker_gives_another_result_on_the_same_pictures(made, kept):
-    changed = plan(request(made, settings=("tracker.gate=0.5",), only=("cross",)))
+    changed = plan(request(made, settings=("tracker.measurement_px2=400",), only=("cross",)))
     (row,) = [rows_of(play_complete(one)) for one in changed]
     assert row.digest == kept[0].digest
     assert row.truth == kept[0].truth
@@ -248,4 +251,4 @@ def test_the_pictures_are_really_read(copied):
         cv2.imwrite(str(path), picture * 0)
     before = rows_of(play_complete(plan(request(copied))[0]))
     assert all(seen == "right" for seen in before.detections["view"])
-    assert sim.dataset.open(copied).sequences[0].frame_count == 8
+    assert sim.dataset.open(copied).sequences[0].frame_count == 5

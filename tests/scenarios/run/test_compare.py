@@ -17,6 +17,7 @@ from scenarios.play.targets import expand_target
 from scenarios.run.compare import FILES, CompareRequest, compare_runs, sentence, verdict_table
 from scenarios.run.margins import load_margins, read_margins
 
+SIZE_PX = (320, 240)
 SYSTEMS = {
     "base": System(),
     # Blobs count as noise: nothing is ever corrected.
@@ -29,7 +30,7 @@ def runs(tmp_path_factory):
     folder = tmp_path_factory.mktemp("compare")
     (part,) = expand_target("cross")
     jobs = [
-        Job(part.scenario, seed, {"frames": 8}, system)
+        Job(part.scenario, seed, {"frames": 4, "fps": 1}, system, size_px=SIZE_PX)
         for system in SYSTEMS.values()
         for seed in range(100, 103)
     ]
@@ -111,7 +112,13 @@ def test_a_run_against_itself_says_so(runs, tmp_path, capsys):
 
 def test_unlike_runs_are_exit_code_4_and_write_nothing(runs, tmp_path):
     (part,) = expand_target("cross")
-    rows = [rows_of(play_complete(Job(part.scenario, 100, {"frames": 7}, System())))]
+    rows = [
+        rows_of(
+            play_complete(
+                Job(part.scenario, 100, {"frames": 3, "fps": 1}, System(), size_px=SIZE_PX)
+            )
+        )
+    ]
     save(tmp_path / "short", rows, RunInfo("short"))
     with pytest.raises(NotComparable, match="lacks 2 of 3 episodes") as caught:
         compare_runs(request(runs, "base", tmp_path / "short", out=tmp_path / "o"))

@@ -22,11 +22,11 @@ def make(cameras):
 
 
 def test_runs(pjpdaf_run, assert_no_regression):
-    run = pjpdaf_run("cross", seeds=1, settings={"frames": 6})
+    run = pjpdaf_run("cross", seeds=1, settings={"frames": 3})
     assert run.median_error_mm < 60
     assert 0.9 <= run.within_100 <= 1
     assert (run.swapped, run.lost) == (0, 0)
-    assert len(run.saved.frames) == 6 * 3
+    assert len(run.saved.frames) == 3 * 3
     assert run.summary.scenarios == ("cross",)
     assert run.name == "test_runs"
     verdict = assert_no_regression(run)
@@ -39,7 +39,7 @@ def test_bad_input(pjpdaf_run):
 
 OWN = """
 def test_own(pjpdaf_run, assert_no_regression):
-    assert_no_regression(pjpdaf_run("cross", seeds=1, settings={"frames": 6}, tracker="mine:make"))
+    assert_no_regression(pjpdaf_run("cross", seeds=1, settings={"frames": 3}, tracker="mine:make"))
 
 
 def test_own_without_a_baseline(assert_no_regression):

@@ -8,14 +8,26 @@ import subprocess
 import termios
 
 import pytest
-from commands import ENVIRONMENT, LIMIT_S, command, pending, started, wait_until
+from commands import (
+    ENVIRONMENT,
+    LIMIT_S,
+    command,
+    in_this_process,
+    pending,
+    started,
+    wait_until,
+)
+from made_dataset import made_dataset
 
 from pjpdaf.errors import BenchError
 from reports.run.load import load
+from reports.run.rows import rows_of
+from reports.run.save import RunInfo, save
 from scenarios.execute.episodes import EPISODE_TIME_LIMIT_S, play_all
-from scenarios.execute.local import local_executor
 from scenarios.play.job import Job, System
+from scenarios.play.play import play_complete
 from scenarios.spec.names import load_scenario
+from sim.processes import ATTEMPTS
 
 TABLES = ("frames.parquet", "episodes.parquet", "events.parquet")
 
@@ -32,33 +44,31 @@ def hashes(run):
     return {str(f): hashlib.sha256((run / f).read_bytes()).hexdigest() for f in files}
 
 
-def job(name="calm_table", seed=0, system=None, frames=2, **overrides):
-    """An episode of small pictures: far from its time limit on a slow machine too."""
+def job(seed=0, system=None, frames=2, size_px=(96, 72), **overrides):
     values = {"frames": frames, **overrides}
-    return Job(load_scenario(name), seed, values, system or System(), size_px=(96, 72))
+    return Job(load_scenario("calm_table"), seed, values, system or System(), size_px=size_px)
 
 
-def test_same_bytes_for_one_and_four_jobs_from_any_folder(tmp_path):
-    runs = []
-    for jobs in (1, 4):
-        words = ("run", "cross", "bounce", "--seeds", "2", "--set", "frames=6", "--jobs", jobs)
-        done = bench(*words, "--out", f"run{jobs}", cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        runs.append(tmp_path / f"run{jobs}")
+def test_same_bytes_for_one_and_two_jobs_from_any_folder(tmp_path, monkeypatch):
+    words = ("run", "cross", "bounce", "--seeds", "2", "--set", "frames=2", "--jobs")
+    done = bench(*words, 1, "--out", "run1", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    monkeypatch.chdir(tmp_path / "run1")
+    done = in_this_process(*words, 2, "--out", tmp_path / "run2")
+    assert done.returncode == 0, done.stderr
+    runs = [tmp_path / "run1", tmp_path / "run2"]
     first, second = map(hashes, runs)
     assert first == second
     assert len(first) > len(TABLES)
     saved = load(runs[0])
-    assert len(saved.frames) == 2 * 2 * 6 * 3
+    assert len(saved.frames) == 2 * 2 * 2 * 3
     assert (runs[0] / "report.html").stat().st_size > 100_000
 
 
 def test_calm_table_is_tracked(tmp_path):
-    done = bench(
-        "run", "calm_table", "--seeds", "1", "--set", "frames=40", "--out", "r", cwd=tmp_path
-    )
-    assert done.returncode == 0, done.stderr
-    saved = load(tmp_path / "r")
+    # Half the scenario's resolution: an eighth of the time.
+    played = rows_of(play_complete(job(frames=40, size_px=(320, 240))))
+    saved = load(save(tmp_path / "r", [played], RunInfo("r")))
     errors = saved.frames["error_mm"].dropna()
     # Most of the error is the distance from a body's centre to its visible surface: 15 to 35 mm.
     assert errors.median() < 40
@@ -85,9 +95,10 @@ def hook(event, arguments):
         wait_for("go")
 
 class Waits:
-    def __init__(self, cameras): self.inner = PJPDAF(cameras)
+    def __init__(self, cameras):
+        self.inner = PJPDAF(cameras)
+        PLAYED.append(self)
     def start(self, seen):
-        PLAYED.append(1)
         if len(PLAYED) == 3:
             (HERE / "third").touch()
             wait_for("never")
@@ -101,10 +112,16 @@ if multiprocessing.parent_process() is None:
 """
 
 
-def waiting_run(folder, **options):
+@pytest.fixture
+def footage(tmp_path_factory):
+    """Four kept episodes: an interrupted run is the same with a renderer, but takes longer."""
+    return made_dataset(tmp_path_factory)
+
+
+def waiting_run(folder, footage, **options):
     """`run` in its third episode, on one worker."""
     (folder / "waiting_plug_in.py").write_text(WAITING)
-    words = ("run", "calm_table", "--seeds", "40", "--set", "frames=2", "--jobs", "1")
+    words = ("run", "--from", footage, "--set", "detector.background_learn_min=2", "--jobs", "1")
     words += ("--tracker", "waiting_plug_in:Waits", "--out", "r")
     process = started(*words, cwd=folder, **options)
     wait_until((folder / "third").exists, process)
@@ -121,8 +138,8 @@ def assert_two_episodes_are_saved(run):
     ("number", "second"),
     [(signal.SIGINT, signal.SIGTERM), (signal.SIGTERM, None), (signal.SIGHUP, signal.SIGINT)],
 )
-def test_an_interrupted_run_keeps_what_is_finished(tmp_path, number, second):
-    process = waiting_run(tmp_path)
+def test_an_interrupted_run_keeps_what_is_finished(tmp_path, footage, number, second):
+    process = waiting_run(tmp_path, footage)
     if number == signal.SIGTERM:
         process.send_signal(number)
     else:
@@ -136,16 +153,17 @@ def test_an_interrupted_run_keeps_what_is_finished(tmp_path, number, second):
     assert "Traceback" not in said
     assert process.returncode == 130, said
     assert_two_episodes_are_saved(tmp_path / "r")
-    assert "interrupted: 2 of 40 episodes are in the saved run" in said
+    assert "interrupted: 2 of 4 episodes are in the saved run" in said
     assert (tmp_path / "r" / "report.html").is_file()
 
 
-def test_a_run_in_a_terminal_that_is_closed_keeps_what_is_finished(tmp_path):
+def test_a_run_in_a_terminal_that_is_closed_keeps_what_is_finished(tmp_path, footage):
     ours, theirs = os.openpty()
     (tmp_path / "go").touch()
     # Its controlling terminal: what hangs up when our end of it is closed.
     process = waiting_run(
         tmp_path,
+        footage,
         stdin=theirs,
         stdout=theirs,
         stderr=theirs,
@@ -159,50 +177,37 @@ def test_a_run_in_a_terminal_that_is_closed_keeps_what_is_finished(tmp_path):
     assert (tmp_path / "r" / "report.html").is_file()
 
 
-PLUG_INS = """
-import os
-from pjpdaf.tracker.filter import PJPDAF
+class LimitedWhereItHangs:
+    """Another executor's workers, one task after another; its limit is for `Hangs` alone."""
 
-class Broken:
-    def __init__(self, cameras): self.inner = PJPDAF(cameras)
-    def start(self, seen): return self.inner.start(seen)
-    def estimates(self, state): return self.inner.estimates(state)
-    def predict(self, state, dt_s): return self.inner.predict(state, dt_s)
+    def __init__(self, executor):
+        self.executor = executor
+        self.renderer, self.close = executor.renderer, executor.close
 
-class Raises(Broken):
-    def step(self, state, seen, dt_s): raise RuntimeError("no step today")
-
-class Dies(Broken):
-    def step(self, state, seen, dt_s): os._exit(7)
-
-class Hangs(Broken):
-    def step(self, state, seen, dt_s):
-        import time
-        time.sleep(1000)
-"""
+    def outcomes(self, function, tasks, limit_s, attempts=ATTEMPTS):
+        for index, task in tasks.items():
+            limit_s_here = limit_s if task.system == faulty("Hangs") else EPISODE_TIME_LIMIT_S
+            yield from self.executor.outcomes(function, {index: task}, limit_s_here, attempts)
 
 
-@pytest.mark.parametrize(
-    ("factory", "reason"),
-    [
-        ("Raises", "no step today"),
-        ("Dies", "its worker died 3 times (exit code 7)"),
-        ("Hangs", "not finished within 20 s"),
-    ],
-)
-def test_a_faulty_plug_in_fails_its_episode_and_the_rest_is_kept(
-    tmp_path, monkeypatch, factory, reason
-):
-    (tmp_path / "faulty_plug_ins.py").write_text(PLUG_INS)
-    monkeypatch.syspath_prepend(tmp_path)  # workers take over the parent's path
-    faulty = System(tracker=f"faulty_plug_ins:{factory}")
-    jobs = [job(), job(seed=1, system=faulty), job(seed=2)]
-    with local_executor(2) as executor:
-        # The others take a third of a second: 20 s is enough on a machine that is 50 times slower.
-        limit_s = 20 if factory == "Hangs" else EPISODE_TIME_LIMIT_S
-        played = play_all(jobs, executor, time_limit_s=limit_s)
+def faulty(name):
+    return System(tracker=f"faulty_trackers:{name}")
+
+
+def test_a_faulty_plug_in_fails_its_episode_and_the_rest_is_kept(executor):
+    systems = (None, faulty("Raises"), faulty("Dies"), None)
+    played = play_all([job(seed=k, system=one) for k, one in enumerate(systems)], executor)
+    assert [bool(row.failure) for row in played.rows] == [False, True, True, False]
+    assert "no step today" in played.rows[1].failure
+    assert "its worker died 3 times (exit code 7)" in played.rows[2].failure
+
+
+def test_a_plug_in_that_hangs_fails_its_episode_and_the_rest_is_kept(executor):
+    """The rest is played without the short limit, which a slow machine could exceed."""
+    jobs = [job(), job(seed=1, system=faulty("Hangs")), job(seed=2)]
+    played = play_all(jobs, LimitedWhereItHangs(executor), time_limit_s=2)
     assert [bool(row.failure) for row in played.rows] == [False, True, False]
-    assert reason in played.rows[1].failure
+    assert "not finished within 2 s" in played.rows[1].failure
 
 
 def test_a_fault_of_the_user_ends_the_run(executor):

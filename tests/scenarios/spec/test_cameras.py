@@ -17,6 +17,7 @@ from sim.specs import CalibrationError, ClockSpec, SensorSpec
 
 CALM = load_scenario("calm_table")
 SEED = 103
+SIZE_PX = (320, 240)  # the smallest pictures in which hands are tracked well
 
 
 def scene(**overrides):
@@ -121,7 +122,7 @@ def test_an_episode_with_every_effect_is_tracked_to_its_end():
         "calibration_baseline": 2,
         "calibration_rot_y": 0.1,
     }
-    episode = play_complete(Job(CALM, SEED, changes, System(), keep_pictures=True))
+    episode = play_complete(Job(CALM, SEED, changes, System(), keep_pictures=True, size_px=SIZE_PX))
     assert isinstance(episode, Episode)
     assert len(episode.frames) == 10
     missing = [d.missing for outcome in episode.frames for d in outcome.detections]
@@ -138,7 +139,7 @@ def test_a_wrong_baseline_puts_the_tracks_as_far_off_as_arithmetic_says():
     """All depths of the tracker are 5 % too great, and so are its positions' from the camera."""
 
     def depths(**changes):
-        episode = play(Job(CALM, SEED, {"frames": 8, **changes}, System()))
+        episode = play(Job(CALM, SEED, {"frames": 4, **changes}, System(), size_px=SIZE_PX))
         camera = episode.cameras[0]
         last = episode.frames[-1].estimates.positions_m
         return (last @ camera.R_cw.T + camera.t_cw)[:, 2]

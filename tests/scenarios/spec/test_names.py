@@ -69,7 +69,7 @@ def test_every_entry_of_a_suite_can_be_performed(name):
     labels = [entry.label or entry.scenario for entry in suite.scenarios]
     assert len(set(labels)) == len(labels)
     for entry, scenario in scenarios_of(suite):
-        settings = {"frames": min(entry.frames or scenario.frames, 12)}
+        settings = {"frames": min(entry.frames or scenario.frames, 4)}
         assert perform(scenario, 0, {**entry.overrides, **settings}).frames >= 1
 
 

@@ -1,9 +1,10 @@
-"""Rows of track files, CSV or Parquet, read one by one."""
+"""Rows of files of tracks or detections, CSV or Parquet, read one by one."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,21 +13,31 @@ import pyarrow.parquet as pq
 
 from pjpdaf.errors import BenchError
 
-POSITION = ("x_m", "y_m", "z_m")
-DEVIATION = ("sd_x_m", "sd_y_m", "sd_z_m")
-NEEDED = ("frame", "target", *POSITION)
 SUFFIXES = (".csv", ".parquet")
 BATCH_ROWS = 10_000
 
-TrackRow = tuple[str, Mapping[str, Any]]  # its place, for messages, and its cells by column
+TableRow = tuple[str, Mapping[str, Any]]  # its place, for messages, and its cells by column
 
 
-def read_rows(path: Path, needed: Sequence[str]) -> Iterator[TrackRow]:
-    """Yield the rows of a file. Raises BenchError where it is damaged or lacks a column."""
-    read: Callable[[Path, Sequence[str]], Iterator[TrackRow]]
-    read = _rows_of_csv if path.suffix.lower() == ".csv" else _rows_of_parquet
+@dataclass(frozen=True)
+class Columns:
+    """The columns of a kind of file, beside `sequence`: all others are passed over."""
+
+    needed: tuple[str, ...]
+    optional: tuple[str, ...] = ()
+
+
+def read_rows(path: Path, columns: Columns, *, sequence: bool = False) -> Iterator[TableRow]:
+    """Yield the rows of a file. sequence: the column `sequence` is needed, too.
+
+    Raises BenchError where the file is damaged or lacks a column.
+    """
+    needed = ("sequence", *columns.needed) if sequence else columns.needed
     try:
-        yield from read(path, needed)
+        if path.suffix.lower() == ".csv":
+            yield from _rows_of_csv(path, needed)
+        else:
+            yield from _rows_of_parquet(path, needed, columns.optional)
     except OSError as fault:
         raise BenchError(f"{path}: cannot be read: {fault.strerror or fault}.") from fault
 
@@ -41,7 +52,7 @@ def _check_columns(where: str, names: Sequence[str], needed: Sequence[str]) -> N
         raise BenchError(f"{where}: has the column {twice[0]!r} twice")
 
 
-def _rows_of_csv(path: Path, needed: Sequence[str]) -> Iterator[TrackRow]:
+def _rows_of_csv(path: Path, needed: Sequence[str]) -> Iterator[TableRow]:
     with path.open(encoding="utf-8-sig", newline="") as file:
         lines = csv.reader(file)
         try:
@@ -62,13 +73,16 @@ def _rows_of_csv(path: Path, needed: Sequence[str]) -> Iterator[TrackRow]:
             raise BenchError(f"{path}:{lines.line_num + 1}: is not UTF-8 text") from fault
 
 
-def _rows_of_parquet(path: Path, needed: Sequence[str]) -> Iterator[TrackRow]:
+def _rows_of_parquet(
+    path: Path, needed: Sequence[str], optional: Sequence[str]
+) -> Iterator[TableRow]:
     number = 0
     try:
         with pq.ParquetFile(path) as file:
             names = list(file.schema_arrow.names)
             _check_columns(str(path), names, needed)
-            taken = [n for n in ("sequence", *NEEDED, "status", *DEVIATION) if n in names]
+            wanted = dict.fromkeys(("sequence", *needed, *optional))
+            taken = [name for name in wanted if name in names]
             for name in taken:
                 kind = file.schema_arrow.field(name).type
                 if pa.types.is_nested(kind):

@@ -1,0 +1,66 @@
+"""Tasks of worker processes; their module loads nothing, so that a worker starts at once."""
+
+import multiprocessing
+import os
+import signal
+import time
+from pathlib import Path
+
+
+def double(x):
+    return 2 * x
+
+
+def dies(x):
+    if x == 1:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return 2 * x
+
+
+def dies_once(path):
+    if not Path(path).exists():
+        Path(path).touch()
+        os._exit(3)
+    return "again"
+
+
+def hangs(x):
+    time.sleep(1000 if x == 1 else 0)
+    return x
+
+
+def fails(x):
+    if x == 1:
+        raise KeyError("one")
+    return x
+
+
+def cannot_be_sent(x):
+    return lambda: x
+
+
+def pid(x):
+    return os.getpid()
+
+
+def slow_and_large(x):
+    time.sleep(0.02)
+    return bytes([x]) * 3_000_000
+
+
+def starts_a_process(x):
+    child = multiprocessing.get_context("spawn").Process(target=double, args=(1,))
+    child.start()
+    child.join()
+    return child.exitcode
+
+
+def answers(task):
+    return task
+
+
+class SlowToArrive:
+    """A task that takes a second to be unpickled in the worker, as imports do."""
+
+    def __reduce__(self):
+        return time.sleep, (1.0,)
