@@ -90,13 +90,13 @@ def _head(assets: Assets, body: Any, anatomy: Anatomy, appearance: Appearance) -
     k = anatomy.head_breadth_m / 0.1522
     assets.painted(
         "face",
-        head_shapes.face_texture(assets.rng("face"), appearance),
+        assets.texture("face", head_shapes.face_texture, appearance),
         specular=0.06,
         shininess=0.15,
     )
     assets.painted(
         "hair",
-        head_shapes.hair_texture(assets.rng("hair"), appearance),
+        assets.texture("hair", head_shapes.hair_texture, appearance),
         specular=0.10,
         shininess=0.2,
     )

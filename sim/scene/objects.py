@@ -212,7 +212,7 @@ def _rod(assets: Assets, body: Any, name: str, spec: ObjectSpec) -> None:
 
 def _block(assets: Assets, body: Any, name: str, spec: ObjectSpec) -> None:
     """A block of wood with grain."""
-    texture = textures.wood(assets.rng(name), spec.rgb, planks=1, size=256)
+    texture = assets.texture(name, textures.wood, spec.rgb, planks=1, size=256)
     assets.painted(name, texture, specular=0.06)
     assets.add(body, name, block(spec.size_m, edge_m=0.004), name, ROOM)
 
@@ -238,7 +238,7 @@ def _picture(assets: Assets, body: Any, name: str, spec: ObjectSpec) -> None:
     """A framed painting of dunes that faces +x: size x its depth, y breadth, z height."""
     sx, sy, sz = spec.size_m
     assets.plain(f"{name}:frame", spec.rgb, specular=0.15)
-    assets.painted(name, textures.painting(assets.rng(name), warm=True), specular=0.0)
+    assets.painted(name, assets.texture(name, textures.painting, warm=True), specular=0.0)
     assets.add(body, f"{name}:frame", block(spec.size_m), f"{name}:frame", ROOM)
     rim = 0.07 * min(sy, sz)
     half = (sy / 2 - rim, sz / 2 - rim)
@@ -248,7 +248,7 @@ def _picture(assets: Assets, body: Any, name: str, spec: ObjectSpec) -> None:
 def _chair(assets: Assets, body: Any, name: str, spec: ObjectSpec) -> None:
     """A wooden chair with its back at -x: size x depth, y breadth, z height."""
     sx, sy, sz = spec.size_m
-    texture = textures.wood(assets.rng(name), spec.rgb, planks=1, size=128)
+    texture = assets.texture(name, textures.wood, spec.rgb, planks=1, size=128)
     assets.painted(name, texture, specular=0.08)
     bar, seat = 0.018, 0.5 * sz
     assets.add(body, name, block((sx, sy, 0.03), 0.008, 0.03), name, ROOM, pos=(0, 0, seat))

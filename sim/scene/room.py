@@ -34,8 +34,8 @@ def add_room(assets: Assets, room: RoomSpec) -> None:
 
 def _walls(assets: Assets, room: RoomSpec) -> None:
     world = assets.spec.worldbody
-    assets.painted("wall", textures.plaster(assets.rng("wall"), room.wall_rgb), specular=0.0)
-    floor = textures.carpet(assets.rng("floor"), (0.30, 0.32, 0.35))
+    assets.painted("wall", assets.texture("wall", textures.plaster, room.wall_rgb), specular=0.0)
+    floor = assets.texture("floor", textures.carpet, (0.30, 0.32, 0.35))
     assets.painted("floor", floor, specular=0.0, repeat=(4, 4))
     middle_x, half_x = (WALL_X + FRONT_X) / 2, (FRONT_X - WALL_X) / 2
     assets.plane(world, "floor", (middle_x, 0, 0), (half_x, SIDE_Y), (1, 0, 0, 0), "floor")
@@ -60,7 +60,7 @@ def _furniture(assets: Assets) -> None:
     x = WALL_X
     assets.plain("frame:dark", (0.10, 0.10, 0.11), specular=0.15)
     assets.plain("mat", (0.80, 0.80, 0.78))
-    assets.painted("painting", textures.painting(assets.rng("painting")), specular=0.0)
+    assets.painted("painting", assets.texture("painting", textures.painting), specular=0.0)
     y, z = 0.86, 1.52
     assets.box(
         world, "frame", (x + 0.012, y, z), (0.012, 0.33, 0.25), "frame:dark", castshadow=False
@@ -145,7 +145,7 @@ def _furniture(assets: Assets) -> None:
 def _table(assets: Assets, room: RoomSpec) -> None:
     world = assets.spec.worldbody
     check_word("RoomSpec.table_surface", room.table_surface, textures.SURFACES)
-    picture = textures.tabletop(assets.rng("table"), room.table_rgb, room.table_surface)
+    picture = assets.texture("table", textures.tabletop, room.table_rgb, room.table_surface)
     gloss = {"wood": 0.08, "cloth": 0.0, "plain": 0.12}[room.table_surface]
     assets.painted("table", picture, specular=gloss, shininess=0.3)
     edge = tuple(0.82 * c for c in room.table_rgb)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,19 @@ Quaternion = tuple[float, float, float, float]
 IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
+def _rng(seed: int, stream: str) -> np.random.Generator:
+    return generator(seed, f"texture/{stream}")
+
+
+@lru_cache(maxsize=32)  # to paint takes half the time of building a world; some 0.5 MB a texture
+def _texture(
+    seed: int, stream: str, paint: Callable[..., textures.Texture], *arguments: Any, **options: Any
+) -> textures.Texture:
+    texture = paint(_rng(seed, stream), *arguments, **options)
+    texture.flags.writeable = False
+    return texture
+
+
 class Assets:
     """A spec under construction. All geoms are visual only: no contact, nothing moves by itself."""
 
@@ -31,7 +45,13 @@ class Assets:
 
     def rng(self, stream: str) -> np.random.Generator:
         """The random generator of a texture."""
-        return generator(self._seed, f"texture/{stream}")
+        return _rng(self._seed, stream)
+
+    def texture(
+        self, stream: str, paint: Callable[..., textures.Texture], *arguments: Any, **options: Any
+    ) -> textures.Texture:
+        """The texture `paint(rng, *arguments, **options)` of this stream; read only."""
+        return _texture(self._seed, stream, paint, *arguments, **options)
 
     def quaternion(self, rotation: Floats) -> Quaternion:
         """Rotation matrix (3, 3) to MuJoCo's quaternion w, x, y, z."""
@@ -86,7 +106,7 @@ class Assets:
 
     def cloth(self, name: str, rgb: RGB, pattern: str = "plain") -> str:
         """A material of woven cloth; its name."""
-        return self.painted(name, textures.cloth(self.rng(name), rgb, pattern))
+        return self.painted(name, self.texture(name, textures.cloth, rgb, pattern))
 
     def add(
         self,

@@ -96,3 +96,18 @@ def test_looks_of_an_ellipse_fill_it():
     assert np.ptp(pixels[:, 1]) == pytest.approx(80)
     assert np.ptp(pixels[:, 0]) == pytest.approx(40)
     assert len(pixels) * looks.pixel_area_px == pytest.approx(np.pi * 40 * 20)
+
+
+@pytest.mark.parametrize("light", [(0.45, 0.92, 1.3), (1.5, 1.05, 0.9), (0.35, 0.35, 0.35)])
+def test_head_and_hands_are_found_in_any_light(light):
+    def lit(rng: np.random.Generator, person: bool) -> StereoFrame:
+        clean = picture(rng, person).astype(np.float64) * light
+        return frame(np.clip(clean + rng.normal(0, 3, clean.shape), 0, 255).astype(np.uint8))
+
+    rng = np.random.default_rng(8)
+    empty = (lit(rng, False) for _ in range(12))
+    detector = BlobDetector.of((CAMERA,), DetectorParameters()).learn(empty)
+    (seen,) = detector(lit(rng, True))
+    assert len(seen) == 3
+    order = np.argsort(seen.centres_px[:, 0])
+    np.testing.assert_allclose(seen.centres_px[order], [(150, 330), (315, 110), (470, 345)], atol=3)

@@ -16,7 +16,7 @@ def test_captions_say_what_is_merged_and_what_is_not_seen():
 def test_pictures_of_scenarios_are_drawn_in_worker_processes():
     frames = {"cross": 18, "bounce": 18}  # until they are merged
     scenarios = [load_scenario(n).model_copy(update={"frames": f}) for n, f in frames.items()]
-    for picture in pictures.draw_scenarios(scenarios, workers=2):
+    for picture in pictures.draw_scenarios(scenarios, workers=1):
         assert picture.large.shape == (
             pictures.PAGE_PX,
             2 * pictures.PAGE_PX + 4,
