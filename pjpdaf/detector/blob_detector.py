@@ -30,6 +30,7 @@ from pjpdaf.interfaces import Detections, Estimates
 from pjpdaf.looks import BlobLooks
 
 LATTICE_COLUMNS = 213  # pixels of a blob are kept on a lattice of about this many columns
+THIN = 0.5  # half-width of a finger over that of a palm, at most; a wrist's is about 0.7
 NOISE_FRAMES = 10  # of the background
 QUIETER = 0.8, 0.6  # floors of the deviations of S and V: averaging takes most of the noise out
 
@@ -171,7 +172,8 @@ class BlobDetector:
         if turn is not None:
             shape = turned(shape, turn)
         if seen.count == 0:
-            nothing = BlobLooks((), 1.0, np.zeros((0, 2)), shape)
+            none = np.zeros((0, 2))
+            nothing = BlobLooks((), 1.0, none, none, shape)
             return dataclasses.replace(Detections.none(), looks=nothing)
         fit = undistort_moments(camera, moments(seen.points, seen.component, seen.count))
         covariances = np.broadcast_to(p.centre_sd_px**2 * np.eye(2), (len(fit), 2, 2))
@@ -185,7 +187,7 @@ class BlobDetector:
             ellipse_axes(fit),
             fit.areas,
             mask=mask if self.base.keep_masks else None,
-            looks=BlobLooks(pixels, each, fingers(seen), shape),
+            looks=BlobLooks(pixels, each, *directions(seen), shape),
         )
 
 
@@ -201,12 +203,13 @@ def _alignment(frames: list[StereoFrame], cameras: tuple[Camera, ...]) -> Alignm
     return found if found is not None and found.matters else None
 
 
-def fingers(seen: Segments) -> Floats:
-    """Vectors (count, 2) of each component from its palm to its centroid, over sqrt(area).
+def directions(seen: Segments) -> tuple[Floats, Floats]:
+    """Vectors of each component (count, 2), over sqrt(area): `BlobLooks.palms` and `fingers`.
 
     The palm is the middle of where the component is widest: the tops of its distance transform.
+    Thin is what an opening by a disc of THIN of that width takes away.
     """
-    found = np.zeros((seen.count, 2))
+    palms, thin_parts = np.zeros((seen.count, 2)), np.zeros((seen.count, 2))
     for i in range(seen.count):
         points = seen.points[seen.component == i]
         low = points.min(axis=0)
@@ -214,9 +217,16 @@ def fingers(seen: Segments) -> Floats:
         inside = np.zeros((height, width), np.uint8)
         inside[points[:, 1] - low[1] + 1, points[:, 0] - low[0] + 1] = 1
         depth = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
-        widest = np.argwhere(depth > 0.9 * depth.max()).mean(axis=0)[::-1] - 1 + low
-        found[i] = (points.mean(axis=0) - widest) / len(points) ** 0.5
-    return found
+        widest = np.argwhere(depth > 0.9 * depth.max()).mean(axis=0)[::-1]
+        root = len(points) ** 0.5
+        palms[i] = (points.mean(axis=0) - (widest - 1 + low)) / root
+        size = 2 * max(1, round(THIN * float(depth.max()))) + 1
+        disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+        rest = inside - cv2.morphologyEx(inside, cv2.MORPH_OPEN, disc)
+        thin = np.argwhere(rest > 0)[:, ::-1]
+        if len(thin):
+            thin_parts[i] = (thin - widest).sum(axis=0) / len(points) / root
+    return palms, thin_parts
 
 
 def _lattice(seen: Segments, camera: Camera) -> tuple[tuple[Floats, ...], float]:
