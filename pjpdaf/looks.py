@@ -29,12 +29,15 @@ class BlobLooks:
     """Looks of the n blobs of a view.
 
     pixels: of each blob (k, 2), undistorted, on a lattice; each stands for pixel_area_px pixels.
-    fingers (n, 2): of each blob from the middle of its widest part, the palm, to its centroid, over
-    the square root of its area: about 0 for a blob without direction.
+    palms (n, 2): of each blob from the middle of its widest part, the palm, to its centroid;
+    fingers (n, 2): the share that its thin parts have in that vector, which points along the
+    fingers, where the whole of it may point to a bare wrist. Both over the square root of the
+    blob's area, 0 for a blob without direction.
     """
 
     pixels: tuple[Floats, ...]
     pixel_area_px: float
+    palms: Floats
     fingers: Floats
     silhouette: Silhouette | None = None
 
@@ -49,6 +52,5 @@ def looks_of_ellipses(ellipses: Floats) -> BlobLooks:
         c, s = np.cos(angle), np.sin(angle)
         pixels.append(unit * (a, b) @ np.array([[c, s], [-s, c]]) + (cx, cy))
         areas.append(np.pi * a * b / len(unit))
-    return BlobLooks(
-        tuple(pixels), float(np.median(areas)) if areas else 1.0, np.zeros((len(pixels), 2))
-    )
+    none = np.zeros((len(pixels), 2))
+    return BlobLooks(tuple(pixels), float(np.median(areas)) if areas else 1.0, none, none)

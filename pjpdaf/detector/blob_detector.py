@@ -3,27 +3,48 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import final
+from typing import NamedTuple, final
 
 import cv2
 import numpy as np
 
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, undistort_points
+from pjpdaf.detector.alignment import Alignment, align, moved
 from pjpdaf.detector.background import Background, BackgroundSums, BackgroundTest, prepare
+from pjpdaf.detector.chroma import ChromaTest, smoothed
+from pjpdaf.detector.cloth import cloth_mask
 from pjpdaf.detector.components import Segments, min_area_px
 from pjpdaf.detector.detector import SkinDetector
 from pjpdaf.detector.ellipses import ellipse_axes, moments, undistort_moments
+from pjpdaf.detector.exposure import Exposure, exposure_of
+from pjpdaf.detector.face import Face, face_of, mean_face, to_reference
 from pjpdaf.detector.parameters import DetectorParameters
-from pjpdaf.detector.silhouette import reduced, silhouette
+from pjpdaf.detector.silhouette import foreground, opened, reduced, reduction, silhouette, turned
+from pjpdaf.detector.skin import skin_mask, to_hsv
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detections, Estimates
 from pjpdaf.looks import BlobLooks
 
 LATTICE_COLUMNS = 213  # pixels of a blob are kept on a lattice of about this many columns
+THIN = 0.5  # half-width of a finger over that of a palm, at most; a wrist's is about 0.7
+NOISE_FRAMES = 10  # of the background
 QUIETER = 0.8, 0.6  # floors of the deviations of S and V: averaging takes most of the noise out
+
+
+class View(NamedTuple):
+    """A view: picture uint8 (h, w, 3) as searched, and reduced; foreground, and that by chroma,
+    uint8, None before a background is learnt; face.
+    """
+
+    picture: np.ndarray
+    small: np.ndarray
+    person: np.ndarray | None
+    coloured: np.ndarray | None
+    face: Face | None
 
 
 @final
@@ -31,13 +52,19 @@ QUIETER = 0.8, 0.6  # floors of the deviations of S and V: averaging takes most 
 class BlobDetector:
     """Skin components, each a detection, with pixels and silhouette; no clustering.
 
-    base: the thesis's detector, which segments; its 'undistort' and 'clusters' have no effect.
-    small: backgrounds of the reduced pictures, of the views as learnt, or empty.
+    A frame's detections depend on its pictures and on the background alone: no memory of earlier
+    frames. base: the thesis's detector, which segments; its 'undistort' and 'clusters' have no
+    effect. small: backgrounds of the reduced pictures, of the views as learnt, or empty;
+    exposures: how each view's pictures are smoothed, or empty; alignment: rotation of the second
+    view that its calibration missed: detections are given as a camera as calibrated would see them.
     """
 
     base: SkinDetector
     small: tuple[Background, ...] = ()
+    exposures: tuple[Exposure, ...] = ()
+    alignment: Alignment | None = None
     _tests: tuple[BackgroundTest, ...] = field(init=False, repr=False)
+    _chroma: tuple[ChromaTest, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         p = self.base.parameters.background
@@ -45,6 +72,7 @@ class BlobDetector:
             p, sat_sd_floor=QUIETER[0] * p.sat_sd_floor, val_sd_floor=QUIETER[1] * p.val_sd_floor
         )
         object.__setattr__(self, "_tests", tuple(prepare(b, quiet) for b in self.small))
+        object.__setattr__(self, "_chroma", tuple(ChromaTest.of(b) for b in self.small))
 
     @staticmethod
     def of(cameras: tuple[Camera, ...], parameters: DetectorParameters) -> BlobDetector:
@@ -52,22 +80,38 @@ class BlobDetector:
         return BlobDetector(SkinDetector(cameras, parameters))
 
     def learn(self, background: Iterable[StereoFrame]) -> BlobDetector:
-        """Return a detector that knows the person-free scene; frames are read one at a time.
+        """Return a detector that knows the person-free scene.
 
-        Raises BenchError where a view has fewer than background_learn_min pictures.
+        The first NOISE_FRAMES frames are kept to measure their noise, all others are read one at a
+        time. Raises BenchError where a view has fewer than background_learn_min pictures.
         """
-        sums = tuple(BackgroundSums() for _ in self.base.cameras)
+        frames = iter(background)
+        first = list(itertools.islice(frames, NOISE_FRAMES))
+        views = range(len(self.base.cameras))
+        for frame in first:
+            self.base.checked(frame)
+        exposures = tuple(
+            exposure_of([q for frame in first if (q := frame.pictures[view]) is not None])
+            for view in views
+        )
+        sums = tuple(BackgroundSums() for _ in views)
+        alignment = _alignment(first, self.base.cameras)
 
         def watched() -> Iterable[StereoFrame]:
-            for frame in background:
-                yield frame  # the base checks it first
-                for view, picture in enumerate(frame.pictures):
+            for frame in itertools.chain(first, frames):
+                checked = self.base.checked(frame)
+                smooth = tuple(
+                    None if picture is None else exposures[view](picture)
+                    for view, picture in enumerate(checked)
+                )
+                for view, picture in enumerate(smooth):
                     if picture is not None:
                         sums[view].add(reduced(picture))
+                yield dataclasses.replace(frame, pictures=smooth)
 
         base = self.base.learn(watched())
         least = base.parameters.background.background_learn_min
-        return BlobDetector(base, tuple(s.result(least) for s in sums))
+        return BlobDetector(base, tuple(s.result(least) for s in sums), exposures, alignment)
 
     def __call__(
         self, frame: StereoFrame, predicted: Estimates | None = None
@@ -76,41 +120,96 @@ class BlobDetector:
 
         Raises BenchError for a picture of the wrong size or type; a missing picture is `missing`.
         """
+        pictures = [
+            picture if picture is None or not self.exposures else self.exposures[view](picture)
+            for view, picture in enumerate(self.base.checked(frame))
+        ]
+        views = [None if p is None else self._view(v, p) for v, p in enumerate(pictures)]
+        face = mean_face([v.face for v in views if v is not None and v.face is not None])
         return tuple(
             Detections.none(missing=True)
-            if picture is None
-            else self._detect(view, picture, predicted)
-            for view, picture in enumerate(self.base.checked(frame))
+            if view is None
+            else self._detect(number, view, face, predicted)
+            for number, view in enumerate(views)
         )
 
-    def _detect(self, view: int, picture: np.ndarray, predicted: Estimates | None) -> Detections:
-        p, camera = self.base.parameters, self.base.cameras[view]
-        seen = self.base.segment(view, picture, min_area_px(p.components, camera, predicted))
+    def _view(self, view: int, picture: np.ndarray) -> View:
+        small = reduced(picture)
+        if not self._tests:
+            return View(picture, small, None, None, None)
+        hsv = to_hsv(small)
+        coloured = self._chroma[view](small)
+        person = foreground(hsv, self._tests[view]) | opened(coloured)
+        focal_px = self._small_focal_px(view, picture)
+        face = face_of(small, person, self._chroma[view].median, focal_px)
+        return View(picture, small, person, coloured, face)
+
+    def _cloth(self, number: int, view: View, face: Face | None) -> np.ndarray | None:
+        """Clothes of the colour of skin in the reduced picture, None without any."""
+        if face is None or view.person is None:
+            return None
+        small = view.small if face.fits else to_reference(view.small, face)
+        skin = (skin_mask(to_hsv(small), self.base.parameters.skin) > 0) & (view.person > 0)
+        smooth = smoothed(view.small.astype(np.float32))
+        return cloth_mask(smooth, skin, face, self._small_focal_px(number, view.picture))
+
+    def _small_focal_px(self, number: int, picture: np.ndarray) -> float:
+        return float(self.base.cameras[number].K[0, 0]) / reduction(picture.shape[1])
+
+    def _detect(
+        self, number: int, view: View, face: Face | None, predicted: Estimates | None
+    ) -> Detections:
+        p, camera = self.base.parameters, self.base.cameras[number]
+        picture = view.picture
+        balanced = None if face is None or face.fits else to_reference(picture, face)
+        cloth = self._cloth(number, view, face)
+        least = min_area_px(p.components, camera, predicted)
+        seen = self.base.segment(number, picture, least, balanced, view.coloured, cloth)
+        turn = self.alignment.homography(camera) if self.alignment and number == 1 else None
         mask = np.zeros(seen.size, np.uint8)
         mask[seen.points[:, 1], seen.points[:, 0]] = 255
-        shape = silhouette(picture, mask, self._tests[view] if self._tests else None, camera)
+        shape = silhouette(view.person, mask, camera)
+        if turn is not None:
+            shape = turned(shape, turn)
         if seen.count == 0:
-            nothing = BlobLooks((), 1.0, np.zeros((0, 2)), shape)
+            none = np.zeros((0, 2))
+            nothing = BlobLooks((), 1.0, none, none, shape)
             return dataclasses.replace(Detections.none(), looks=nothing)
         fit = undistort_moments(camera, moments(seen.points, seen.component, seen.count))
         covariances = np.broadcast_to(p.centre_sd_px**2 * np.eye(2), (len(fit), 2, 2))
         pixels, each = _lattice(seen, camera)
+        if turn is not None:
+            fit = dataclasses.replace(fit, centres=moved(fit.centres, turn))
+            pixels = tuple(moved(points, turn) for points in pixels)
         return Detections(
             fit.centres,
             covariances,
             ellipse_axes(fit),
             fit.areas,
             mask=mask if self.base.keep_masks else None,
-            looks=BlobLooks(pixels, each, fingers(seen), shape),
+            looks=BlobLooks(pixels, each, *directions(seen), shape),
         )
 
 
-def fingers(seen: Segments) -> Floats:
-    """Vectors (count, 2) of each component from its palm to its centroid, over sqrt(area).
+def _alignment(frames: list[StereoFrame], cameras: tuple[Camera, ...]) -> Alignment | None:
+    """Alignment of the views of a still scene, None where there is none to take out."""
+    if len(cameras) != 2:
+        return None
+    views = [[p for f in frames if (p := f.pictures[view]) is not None] for view in range(2)]
+    if not all(views):
+        return None
+    one, two = (np.rint(np.mean(np.array(v), axis=0)).astype(np.uint8) for v in views)
+    found = align((one, two), (cameras[0], cameras[1]))
+    return found if found is not None and found.matters else None
+
+
+def directions(seen: Segments) -> tuple[Floats, Floats]:
+    """Vectors of each component (count, 2), over sqrt(area): `BlobLooks.palms` and `fingers`.
 
     The palm is the middle of where the component is widest: the tops of its distance transform.
+    Thin is what an opening by a disc of THIN of that width takes away.
     """
-    found = np.zeros((seen.count, 2))
+    palms, thin_parts = np.zeros((seen.count, 2)), np.zeros((seen.count, 2))
     for i in range(seen.count):
         points = seen.points[seen.component == i]
         low = points.min(axis=0)
@@ -118,9 +217,16 @@ def fingers(seen: Segments) -> Floats:
         inside = np.zeros((height, width), np.uint8)
         inside[points[:, 1] - low[1] + 1, points[:, 0] - low[0] + 1] = 1
         depth = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
-        widest = np.argwhere(depth > 0.9 * depth.max()).mean(axis=0)[::-1] - 1 + low
-        found[i] = (points.mean(axis=0) - widest) / len(points) ** 0.5
-    return found
+        widest = np.argwhere(depth > 0.9 * depth.max()).mean(axis=0)[::-1]
+        root = len(points) ** 0.5
+        palms[i] = (points.mean(axis=0) - (widest - 1 + low)) / root
+        size = 2 * max(1, round(THIN * float(depth.max()))) + 1
+        disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+        rest = inside - cv2.morphologyEx(inside, cv2.MORPH_OPEN, disc)
+        thin = np.argwhere(rest > 0)[:, ::-1]
+        if len(thin):
+            thin_parts[i] = (thin - widest).sum(axis=0) / len(points) / root
+    return palms, thin_parts
 
 
 def _lattice(seen: Segments, camera: Camera) -> tuple[tuple[Floats, ...], float]:

@@ -91,14 +91,31 @@ class SkinDetector:
             for view, picture in enumerate(self.checked(frame))
         )
 
-    def segment(self, view: int, picture: np.ndarray, min_area_px: float) -> Segments:
-        """Return accepted skin pixels of a view's picture as it is searched, by component."""
+    def segment(
+        self,
+        view: int,
+        picture: np.ndarray,
+        min_area_px: float,
+        balanced: np.ndarray | None = None,
+        coloured: np.ndarray | None = None,
+        cloth: np.ndarray | None = None,
+    ) -> Segments:
+        """Return accepted skin pixels of a view's picture as it is searched, by component.
+
+        balanced: the same picture in the light of the skin range, for the test of skin alone.
+        coloured: uint8 (h, w), 0 or 1, a reduced picture's foreground by another test.
+        cloth: likewise, its clothes of the colour of skin.
+        """
         p = self.parameters
         hsv = to_hsv(picture)
-        mask = skin_mask(hsv, p.skin)
+        mask = skin_mask(hsv if balanced is None else to_hsv(balanced), p.skin)
+        if cloth is not None:
+            mask[_enlarged(cloth, hsv) > 127] = 0
         if self._tests:
             at = np.flatnonzero(mask.view(np.bool_))
             same = at[~is_foreground(self._tests[view], hsv, at)]
+            if coloured is not None:
+                same = same[_enlarged(coloured, hsv).reshape(-1)[same] < 128]
             mask.reshape(-1)[same] = 0
         cleaned = clean(mask, p.components.open_px, p.components.close_px)
         return segments(cleaned, min_area_px, p.components.merge_fragments)
@@ -133,6 +150,13 @@ class SkinDetector:
                 picture = cv2.remap(picture, *maps, cv2.INTER_LINEAR)
             checked.append(picture)
         return tuple(checked)
+
+
+def _enlarged(mask: np.ndarray, picture: np.ndarray) -> np.ndarray:
+    """Enlarge a mask of 0 or 1 to a picture's size: uint8 0..255."""
+    size = (picture.shape[1], picture.shape[0])
+    wide: np.ndarray = cv2.resize(mask * np.uint8(255), size, interpolation=cv2.INTER_LINEAR)
+    return wide
 
 
 def _check(index: int, view: int, camera: Camera, picture: np.ndarray) -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
 from pjpdaf.detector.background import BackgroundTest, is_foreground
-from pjpdaf.detector.skin import to_hsv
 from pjpdaf.looks import CLOTHED, SKIN, Silhouette
 
 WIDTH_PX = 160  # about; the picture is reduced by a whole number
@@ -28,25 +28,34 @@ def reduced(picture: np.ndarray) -> np.ndarray:
     return small
 
 
-def silhouette(
-    picture: np.ndarray, skin: np.ndarray, test: BackgroundTest | None, camera: Camera
-) -> Silhouette:
-    """Classify a picture uint8 BGR (h, w, 3) with its accepted skin pixels uint8 (h, w).
+def foreground(hsv: np.ndarray, test: BackgroundTest) -> np.ndarray:
+    """Return what is unlike the background in a reduced picture, opened: uint8 (h, w), 0 or 1.
 
-    test: of the reduced, person-free pictures; without it nothing is CLOTHED. camera: whose lens
-    is taken out of the result.
+    hsv: uint8 (h, w, 3) as of `to_hsv`; test: of the reduced, person-free pictures.
     """
-    small = reduced(picture)
-    height, width = small.shape[:2]
+    height, width = hsv.shape[:2]
+    far = is_foreground(test, hsv, np.arange(height * width)).reshape(height, width)
+    return opened(far.astype(np.uint8))
+
+
+def opened(mask: np.ndarray) -> np.ndarray:
+    """Open a mask uint8 (h, w) of a reduced picture: specks go."""
+    kept: np.ndarray = cv2.morphologyEx(mask, cv2.MORPH_OPEN, OPENING)
+    return kept
+
+
+def silhouette(person: np.ndarray | None, skin: np.ndarray, camera: Camera) -> Silhouette:
+    """Classify the reduced picture: person as of `foreground`, skin uint8 (h, w) of the picture.
+
+    Without a person nothing is CLOTHED. camera: whose lens is taken out of the result.
+    """
+    step = reduction(skin.shape[1])
+    width, height = max(skin.shape[1] // step, 1), max(skin.shape[0] // step, 1)
     share = cv2.resize(skin, (width, height), interpolation=cv2.INTER_AREA)
     classes = np.zeros((height, width), np.uint8)
-    if test is not None:
-        hsv = to_hsv(small)
-        far = is_foreground(test, hsv, np.arange(height * width)).reshape(height, width)
-        opened = cv2.morphologyEx(far.astype(np.uint8), cv2.MORPH_OPEN, OPENING)
-        classes[opened > 0] = CLOTHED
+    if person is not None:
+        classes[person > 0] = CLOTHED
     classes[share > 127] = SKIN
-    step = reduction(picture.shape[1])
     if np.any(camera.distortion):
         classes = _undistorted(classes, step, camera)
     return Silhouette(classes, step)
@@ -62,3 +71,13 @@ def _undistorted(classes: np.ndarray, step: int, camera: Camera) -> np.ndarray:
     )
     ideal: np.ndarray = cv2.remap(classes, x, y, cv2.INTER_NEAREST)
     return ideal
+
+
+def turned(shape: Silhouette, homography: Floats) -> Silhouette:
+    """Return the silhouette where pixels of the whole picture are moved by a homography (3, 3)."""
+    step = shape.step_px
+    reduce = np.array([[1 / step, 0, 0.5 / step - 0.5], [0, 1 / step, 0.5 / step - 0.5], [0, 0, 1]])
+    H = reduce @ homography @ np.linalg.inv(reduce)
+    size = (shape.classes.shape[1], shape.classes.shape[0])
+    classes = cv2.warpPerspective(shape.classes, H, size, flags=cv2.INTER_NEAREST)
+    return Silhouette(np.asarray(classes), step)

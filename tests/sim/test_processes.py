@@ -110,12 +110,14 @@ def test_workers_killed_at_random_moments_lose_no_answer(others):
     rng, over = random.Random(1), threading.Event()
 
     def killer():
-        while not over.wait(rng.uniform(0.05, 0.5)):
+        kills = 0  # an end to them: where workers start slowly, hardly a task would be finished
+        while kills < 15 and not over.wait(rng.uniform(0.05, 0.5)):
             # Not by active_children(): it waits for a child in this thread, beside the pool.
             pids = [pid for pid in worker_pids(os.getpid()) if pid not in before]
             if pids:
                 with suppress(ProcessLookupError):
                     os.kill(rng.choice(pids), signal.SIGKILL)
+                    kills += 1
 
     thread = threading.Thread(target=killer)
     with WorkerPool(2) as pool:

@@ -9,15 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from pjpdaf.arrays import Floats, Ints
-from pjpdaf.looks import CLOTHED
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.parameters import CandidateParameters
 from pjpdaf.tracker.hypotheses.split import ends, halves, outside, pieces
 
 WHOLE, HALF, OTHER_HALF, BESIDE, END, OTHER_END = range(6)  # parts of a blob
 LONGEST_FINGERS = 0.4  # of the square root of the area
-CLOTH_M = 0.045  # around the tip of an arm, where a sleeve would show
-CLOTH_COST = 5.0  # of an end with a sleeve while the other has none
 PIECES = 3  # beside the head, at most
 
 
@@ -26,7 +23,7 @@ class Candidates:
     """Candidates of one view.
 
     centres_px (c, 2); areas_px (c,); blob (c,) and part (c,), WHOLE .. OTHER_END; palm_px (c, 2)
-    from the centre to the middle of the palm, 0 for parts; cost (c,) of each by itself.
+    from the centre to the middle of the palm, 0 for parts.
     """
 
     centres_px: Floats
@@ -34,7 +31,6 @@ class Candidates:
     blob: Ints
     part: Ints
     palm_px: Floats
-    cost: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,12 +46,11 @@ class HeadPlace:
 
 
 class Candidate(NamedTuple):
-    """One candidate: centre (2,) [px], area [px], part, cost."""
+    """One candidate: centre (2,) [px], area [px], part."""
 
     centre_px: Floats
     area_px: float
     part: int
-    cost: float = 0.0
 
 
 def candidates(
@@ -79,7 +74,7 @@ def candidates(
     blobs = np.array(blob, np.intp)
     palm = np.zeros((len(found), 2))
     whole = part == WHOLE
-    away = np.clip(view.looks.fingers[blobs[whole]], -LONGEST_FINGERS, LONGEST_FINGERS)
+    away = np.clip(view.looks.palms[blobs[whole]], -LONGEST_FINGERS, LONGEST_FINGERS)
     palm[whole] = -p.palm * away * np.sqrt(view.areas_px[blobs[whole]])[:, None]
     return Candidates(
         np.array([c.centre_px for c in found]).reshape(-1, 2),
@@ -87,7 +82,6 @@ def candidates(
         blobs,
         part,
         palm,
-        np.array([c.cost for c in found], np.float64),
     )
 
 
@@ -97,12 +91,9 @@ def _of_blob(
     pixels, area = view.looks.pixels[i], float(view.areas_px[i])
     arm = bare and p.ends and view.length_m(i, metre_px) > p.hand_length_m and len(pixels) >= 8
     if arm:
-        centres, tips = ends(pixels, 0.8 * p.hand_length_m * metre_px)
-        cloth = [_clothed(view, tip, CLOTH_M * metre_px) for tip in tips]
         size = min(area, p.split_area_m2 * metre_px**2)
-        for k in range(2):
-            cost = CLOTH_COST * max(0.0, cloth[k] - cloth[1 - k])
-            yield Candidate(centres[k], size, END + k, cost)
+        for k, centre in enumerate(ends(pixels, 0.8 * p.hand_length_m * metre_px)):
+            yield Candidate(centre, size, END + k)
     if not arm or always:  # the head itself may be long
         yield Candidate(view.centres_px[i], area, WHOLE)
     if p.halves and area > p.split_area_m2 * metre_px**2:
@@ -130,16 +121,3 @@ def _beside(
         yield Candidate(piece.mean(axis=0), area, BESIDE)
         if p.halves and area > 1.2 * p.split_area_m2 * metre_px**2:
             yield from _halves(piece, area, p)
-
-
-def _clothed(view: Blobs, at_px: Floats, radius_px: float) -> float:
-    """Share of clothed pixels within a distance of a pixel (2,); 0 without a silhouette."""
-    shape = view.looks.silhouette
-    if shape is None:
-        return 0.0
-    x, y = (at_px + 0.5) / shape.step_px
-    r = max(radius_px / shape.step_px, 1.0)
-    rows, columns = shape.classes.shape
-    top, left = max(int(y - r), 0), max(int(x - r), 0)
-    box = shape.classes[top : min(int(y + r) + 1, rows), left : min(int(x + r) + 1, columns)]
-    return float((box == CLOTHED).mean()) if box.size else 0.0

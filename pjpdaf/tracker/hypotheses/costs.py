@@ -24,6 +24,7 @@ from pjpdaf.tracker.hypotheses.sleeve import Body, arm_scores, arm_values
 AREA_COST_MOST = 6.0
 HANDLIKE_COST = 2.0, 3.0  # of the area, of the pair: a blob below both should be somebody's hand
 LONGEST_FINGERS = 0.3
+FORWARD_MOST = 4.0
 
 
 def area_cost(found: Pairs, hand_area_m2: float, c: CostParameters) -> Floats:
@@ -49,6 +50,21 @@ def piece_cost(found: Pairs, head_m: Floats, axes: Floats, c: CostParameters) ->
     face = (beside < np.where(whole, 0.08, 0.05)) & (down > -0.16) & (down < 0.22)
     face &= (np.abs(away) < 0.25) & (found.areas_m2 < 0.45 * c.hand_area_m2)
     return np.where(neck | face, c.piece, 0.0)
+
+
+def end_cost(found: Pairs, axes: Floats, c: CostParameters) -> Floats:
+    """Cost (n,) of taking an end of a bare arm for the hand while the other end is nearer.
+
+    The other end is the elbow, which a hand at work is before.
+    """
+    cost = np.zeros(len(found))
+    for i in np.flatnonzero((found.part >= END).all(axis=1)):
+        mate = (found.blob == found.blob[i]).all(axis=1)
+        mate &= (found.part == 2 * END + 1 - found.part[i]).all(axis=1)
+        if mate.any():
+            nearer = float((found.points_m[i] - found.points_m[int(mate.argmax())]) @ axes[2])
+            cost[i] = min(max(nearer, 0.0) / c.forward_m, FORWARD_MOST)
+    return cost
 
 
 def joint_cost(
@@ -111,7 +127,9 @@ def side_evidence(
         fingers = np.zeros((2, len(found), 2))
         for v, view in enumerate(seen):
             whole = np.flatnonzero(found.part[:, v] == WHOLE)
-            fingers[v, whole] = view.looks.fingers[found.blob[whole, v]]
+            looks, blob = view.looks, found.blob[whole, v]
+            wrist = looks.palms[blob] - looks.fingers[blob]
+            fingers[v, whole] = looks.fingers[blob] - s.wrist_share * wrist
         fingers = np.clip(fingers, -LONGEST_FINGERS, LONGEST_FINGERS)
         scores = arm_scores(
             found.points_m, arm_values(shapes, views, body, s), shapes, views, body, s, fingers

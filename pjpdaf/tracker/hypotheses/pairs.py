@@ -85,7 +85,6 @@ def _stereo(
     ratio = np.log(np.maximum(a, 1e-9) / np.maximum(b, 1e-9)) / LOG_AREA_SD
     same_kind = (left.part[i] + 1) // 2 == (right.part[j] + 1) // 2
     own = epipolar + np.minimum(0.5 * ratio**2, 3.0) + np.where(same_kind, 0.0, 1.0)
-    own = own + left.cost[i] + right.cost[j]
     sane: NDArray[np.bool_] = (
         (epipolar < SANE_COST) & (depth > NEAREST_M).all(0) & (depth < FARTHEST_M).all(0)
     )

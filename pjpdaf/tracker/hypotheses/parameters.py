@@ -29,7 +29,7 @@ class CandidateParameters:
     # Mean length of the longer hand's blob from which forearms are bare [m].
     bare_length_m: float = 0.205
     # Length of a hand [m].
-    hand_length_m: float = 0.17
+    hand_length_m: float = 0.15
     # Size of the head's ellipse whose outside is no head, over the remembered one [1].
     head_scale: float = 1.15
     # Smallest piece beside the head [m^2].
@@ -106,7 +106,9 @@ class CostParameters:
     # A hand that only one view shows.
     single_view: float = 3.0
     # An end of a bare arm.
-    end: float = 0.5
+    end: float = 0.0
+    # An end of a bare arm that is further away than the other, for each of these lengths [m].
+    forward_m: float = 0.04
     # A piece of face or neck.
     piece: float = 6.0
 
@@ -156,7 +158,10 @@ class SleeveParameters:
     # Penalty of an elbow turned inwards or up.
     inward_penalty: float = 0.15
     # Weight of the fingers' direction, which goes on along the forearm.
-    finger_weight: float = 0.7
+    finger_weight: float = 1.2
+    # Share of the vector to a wrist, a thick part of the hand beside the palm, that counts as
+    # fingers on the other side [1].
+    wrist_share: float = 1.0
 
     def __post_init__(self) -> None:
         check_above_zero(OWNER, self, "upper_arm_m", "forearm_m", "sleeve_width_m", "swivels")

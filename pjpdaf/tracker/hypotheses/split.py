@@ -59,21 +59,18 @@ def pieces(pixels: Floats, step_px: float, least: int) -> list[Floats]:
     return sorted((p for p in found if len(p) >= least), key=len, reverse=True)
 
 
-def ends(pixels: Floats, length_px: float) -> tuple[Floats, Floats]:
-    """Of the pixels (n, 2) within length_px of either end of a blob: centres (2, 2), tips (2, 2).
-
-    The ends are those of the major axis; a tip is the mean of the outermost twentieth.
-    """
+def ends(pixels: Floats, length_px: float) -> Floats:
+    """Centres (2, 2) of the pixels (n, 2) within length_px of either end of a blob's major axis."""
     offset = pixels - pixels.mean(axis=0)
     axis = np.linalg.eigh(offset.T @ offset)[1][:, 1]
     along = offset @ axis
-    first, low, high, last = np.percentile(along, [1, 5, 95, 99])
-    centres = [
-        pixels[along <= first + length_px].mean(axis=0),
-        pixels[along >= last - length_px].mean(axis=0),
-    ]
-    tips = [pixels[along <= low].mean(axis=0), pixels[along >= high].mean(axis=0)]
-    return np.array(centres), np.array(tips)
+    first, last = np.percentile(along, [1, 99])
+    return np.array(
+        [
+            pixels[along <= first + length_px].mean(axis=0),
+            pixels[along >= last - length_px].mean(axis=0),
+        ]
+    )
 
 
 def settle(pixels: Floats, start: Floats, shape: Floats) -> tuple[Floats, float]:

@@ -12,7 +12,13 @@ from pjpdaf.camera import Camera
 from pjpdaf.interfaces import Detections, Estimates
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.candidates import WHOLE, HeadPlace, candidates
-from pjpdaf.tracker.hypotheses.costs import area_cost, joint_cost, piece_cost, side_evidence
+from pjpdaf.tracker.hypotheses.costs import (
+    area_cost,
+    end_cost,
+    joint_cost,
+    piece_cost,
+    side_evidence,
+)
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.head import HeadTrack, follow_head
 from pjpdaf.tracker.hypotheses.hypothesis import FORBIDDEN, Hypothesis, Sightings, grow
@@ -141,6 +147,8 @@ class HypothesisTracker:
         away = (found.points_m - head.mean) @ self.views.axes[2]
         found = found[(away < BEHIND_M) & (away > -BEFORE_M)]
         extra = piece_cost(found, head.mean, self.views.axes, p.costs)
+        if bare:
+            extra = extra + end_cost(found, self.views.axes, p.costs)
         return replace(found, cost=found.cost + extra)
 
     def _longest(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pjpdaf.camera import Camera
-from pjpdaf.detector.blob_detector import BlobDetector, fingers
+from pjpdaf.detector.blob_detector import BlobDetector, directions
 from pjpdaf.detector.components import segments
 from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.detector.silhouette import reduced, reduction
@@ -48,7 +48,7 @@ def test_each_blob_has_the_pixels_that_make_up_its_area(detector):
     for centre, area, pixels in zip(seen.centres_px, seen.areas_px, looks.pixels, strict=True):
         np.testing.assert_allclose(pixels.mean(axis=0), centre, atol=0.7)
         assert len(pixels) * looks.pixel_area_px == pytest.approx(area, rel=0.1)
-    assert np.abs(looks.fingers).max() < 0.08  # ellipses point nowhere
+    assert np.abs(looks.palms).max() < 0.08  # ellipses point nowhere
 
 
 def test_silhouette_tells_shirt_from_skin_from_wall(detector):
@@ -73,14 +73,26 @@ def test_missing_picture_is_missing_and_wrong_size_refused(detector):
         detector(frame(np.zeros((240, 320, 3), np.uint8)))
 
 
-def test_fingers_point_from_the_palm_to_the_thin_end():
+def hand(wrist: bool) -> np.ndarray:
     mask = np.zeros((200, 200), np.uint8)
     cv2.circle(mask, (60, 100), 22, 255, -1)
-    for y in (86, 96, 106, 116):
-        cv2.line(mask, (60, y), (120, y), 255, 4)
-    (vector,) = fingers(segments(mask, 100.0, merge_fragments=False))
-    assert vector[0] > 0.12
-    assert abs(vector[1]) < 0.05
+    if wrist:
+        cv2.rectangle(mask, (60, 86), (110, 114), 255, -1)
+    else:
+        for y in (86, 96, 106, 116):
+            cv2.line(mask, (60, y), (120, y), 255, 4)
+    return mask
+
+
+@pytest.mark.parametrize("wrist", [False, True])
+def test_centroid_is_off_the_palm_towards_fingers_or_wrist(wrist):
+    (palm,), (finger,) = directions(segments(hand(wrist), 100.0, merge_fragments=False))
+    assert palm[0] > 0.12
+    assert abs(palm[1]) < 0.05
+    if wrist:
+        assert np.abs(finger).max() < 0.03  # a wrist is not thin
+    else:
+        assert finger[0] > 0.12
 
 
 @pytest.mark.parametrize(("width", "step"), [(640, 4), (320, 2), (160, 1), (1280, 8), (100, 1)])
@@ -96,3 +108,18 @@ def test_looks_of_an_ellipse_fill_it():
     assert np.ptp(pixels[:, 1]) == pytest.approx(80)
     assert np.ptp(pixels[:, 0]) == pytest.approx(40)
     assert len(pixels) * looks.pixel_area_px == pytest.approx(np.pi * 40 * 20)
+
+
+@pytest.mark.parametrize("light", [(0.45, 0.92, 1.3), (1.5, 1.05, 0.9), (0.35, 0.35, 0.35)])
+def test_head_and_hands_are_found_in_any_light(light):
+    def lit(rng: np.random.Generator, person: bool) -> StereoFrame:
+        clean = picture(rng, person).astype(np.float64) * light
+        return frame(np.clip(clean + rng.normal(0, 3, clean.shape), 0, 255).astype(np.uint8))
+
+    rng = np.random.default_rng(8)
+    empty = (lit(rng, False) for _ in range(12))
+    detector = BlobDetector.of((CAMERA,), DetectorParameters()).learn(empty)
+    (seen,) = detector(lit(rng, True))
+    assert len(seen) == 3
+    order = np.argsort(seen.centres_px[:, 0])
+    np.testing.assert_allclose(seen.centres_px[order], [(150, 330), (315, 110), (470, 345)], atol=3)

@@ -57,11 +57,9 @@ def test_pieces_are_apart_and_sorted_by_size():
 
 def test_ends_of_a_bar_lie_half_a_length_from_its_tips():
     x, y = (axis.ravel() for axis in np.meshgrid(np.arange(0, 201, 4.0), np.arange(0, 41, 4.0)))
-    centres, tips = ends(np.column_stack([x, y]), length_px=80.0)
+    centres = ends(np.column_stack([x, y]), length_px=80.0)
     order = np.argsort(centres[:, 0])
     np.testing.assert_allclose(centres[order], [[40, 20], [160, 20]], atol=3.0)
-    assert tips[order][0, 0] < 10
-    assert tips[order][1, 0] > 190
 
 
 def test_ellipse_settles_on_the_head_although_a_hand_hangs_on_it():

@@ -1,0 +1,129 @@
+"""Colour of a person's face, from the top of the silhouette; light and white balance from it.
+
+Where the fixed skin range does not hold the face, the picture is multiplied, channel by channel, so
+that the face has the reference colour: a change of light or of white balance is such a product
+(von Kries), and so is most of the difference between persons.
+"""
+
+from __future__ import annotations
+
+import colorsys
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from pjpdaf.arrays import Bools, Floats
+from pjpdaf.detector.chroma import log_chroma
+
+REFERENCE_BGR = (79.0, 101.0, 142.0)  # of skin in the middle of the fixed range
+HEAD_M, HALF_HEAD_M = 0.27, 0.10  # height below the silhouette's top, half width
+USUAL_DEPTH_M = 1.3
+JOIN_M = 0.06  # pieces nearer than twice this are one person
+TOP_M = 0.05  # least width of the silhouette at its top
+DARK = 0.35  # share of the box's bright value below which a pixel is hair or shade
+BIN, BINS, LOW = 0.04, 64, -1.0  # of the histogram of log chroma
+REDDER, REDDER_SD = (0.36, 0.26), (0.15, 0.20)  # log chroma of skin above the background's
+ODDEST = 3.0  # deviations from that, of a face
+NEAR = 0.10  # radius of the face's cluster in log chroma
+LEAST_SHARE = 0.06  # of the box
+GAINS = 0.2, 8.0  # of a channel, at the least and at most
+# Face colours (hue [deg], saturation, least value) that the fixed range holds with its spread.
+FITS_HUE_DEG, FITS_SATURATION, FITS_VALUE = (8.0, 34.0), (0.28, 0.62), 0.30
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """Colour of the face: bgr (3,) 0-255; pixels that show it, of the reduced picture."""
+
+    bgr: Floats
+    pixels: int
+
+    @property
+    def fits(self) -> bool:
+        """Whether the fixed range holds skin of this colour."""
+        b, g, r = self.bgr / 255.0
+        hue, saturation, value = colorsys.rgb_to_hsv(r, g, b)
+        hue_deg = (360.0 * hue + 180.0) % 360.0 - 180.0
+        low, high = FITS_SATURATION
+        return bool(
+            FITS_HUE_DEG[0] <= hue_deg <= FITS_HUE_DEG[1]
+            and low <= saturation <= high
+            and value >= FITS_VALUE
+        )
+
+
+def face_of(
+    small: np.ndarray, foreground: np.ndarray, background_chroma: Floats, focal_px: float
+) -> Face | None:
+    """Find the face's colour in a reduced picture uint8 (h, w, 3), None where no head shows.
+
+    foreground: uint8 (h, w), non-zero where the person is; background_chroma (2,): of the scene;
+    focal_px: of the reduced picture.
+    """
+    inside = _head_box(foreground, focal_px / USUAL_DEPTH_M)
+    if inside is None:
+        return None
+    colours = small[inside].astype(np.float32)
+    value = colours.max(axis=1)
+    colours = colours[value >= DARK * np.percentile(value, 95)]
+    chroma = log_chroma(colours)
+    at = ((chroma - LOW) / BIN).astype(np.intp).clip(0, BINS - 1)
+    counts = np.zeros((BINS, BINS), np.float32)
+    np.add.at(counts, (at[:, 0], at[:, 1]), 1.0)
+    counts = cv2.GaussianBlur(counts, (0, 0), 1.0)
+    centres = LOW + (np.arange(BINS) + 0.5) * BIN
+    for axis in range(2):
+        off = (centres - background_chroma[axis] - REDDER[axis]) / REDDER_SD[axis]
+        prior = np.exp(-0.5 * off * off).astype(np.float32)
+        counts *= prior[:, None] if axis == 0 else prior[None, :]
+    u, v = np.unravel_index(int(counts.argmax()), counts.shape)
+    centre = np.array([centres[u], centres[v]])
+    for _ in range(3):
+        near = ((chroma - centre) ** 2).sum(axis=1) < NEAR**2
+        if near.sum() < LEAST_SHARE * inside.sum():
+            return None
+        centre = chroma[near].mean(axis=0)
+    off = (centre - background_chroma - REDDER) / REDDER_SD
+    if (off * off).sum() > ODDEST**2:
+        return None
+    return Face(np.median(colours[near], axis=0).astype(np.float64), int(near.sum()))
+
+
+def _head_box(foreground: np.ndarray, metre_px: float) -> Bools | None:
+    """Foreground below the top of the largest component, bool (h, w)."""
+    size = 2 * round(JOIN_M * metre_px) + 1
+    near = cv2.dilate(foreground, np.ones((size, size), np.uint8))
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(near, connectivity=8)
+    if count < 2:
+        return None
+    largest = 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())
+    person = (labels == largest) & (foreground > 0)
+    rows = np.flatnonzero(person.sum(axis=1) >= TOP_M * metre_px)
+    if not len(rows):
+        return None
+    top, height = int(rows[0]), max(int(HEAD_M * metre_px), 4)
+    columns = np.flatnonzero(person[top : top + height // 3 + 1].any(axis=0))
+    middle, half = float(np.median(columns)), HALF_HEAD_M * metre_px
+    box: Bools = np.zeros(person.shape, np.bool_)
+    box[top : top + height, max(int(middle - half), 0) : int(middle + half) + 1] = True
+    box &= person
+    return box if box.any() else None
+
+
+def mean_face(faces: list[Face]) -> Face | None:
+    """Return the mean colour of the faces that the views show, None without any."""
+    if not faces:
+        return None
+    weights = np.array([face.pixels for face in faces], np.float64)
+    bgr = np.average([face.bgr for face in faces], axis=0, weights=weights)
+    return Face(np.asarray(bgr), int(weights.sum()))
+
+
+def to_reference(picture: np.ndarray, face: Face) -> np.ndarray:
+    """Multiply the channels of a picture uint8 (h, w, 3) so that the face has REFERENCE_BGR."""
+    gains = np.clip(np.array(REFERENCE_BGR) / np.maximum(face.bgr, 1.0), *GAINS)
+    levels = np.arange(256)[:, None] * gains[None, :]
+    table = np.clip(np.rint(levels), 0, 255).astype(np.uint8)[None]
+    balanced: np.ndarray = cv2.LUT(picture, table)
+    return balanced
