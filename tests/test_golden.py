@@ -1,7 +1,7 @@
-"""One episode whose outcome is known: a change of any stage shows here first.
+"""One episode of known outcome for each preset: a change of any stage shows here first.
 
 To accept a change that is meant: `PJPDAF_GOLDEN=write ./bench test tests/test_golden.py`, then look
-at the difference of tests/golden/cross_0.csv.
+at the difference of tests/golden/.
 """
 
 import os
@@ -15,7 +15,7 @@ from scenarios.execute.episodes import play_all
 from scenarios.play.job import Job, System
 from scenarios.spec.names import load_scenario
 
-GOLDEN = Path(__file__).parent / "golden" / "cross_0.csv"
+GOLDEN = Path(__file__).parent / "golden"
 COLUMNS = [
     "frame",
     "target",
@@ -34,8 +34,8 @@ def test_cross_seed_0_as_accepted(executor):
     assert not row.failure
     found = pd.DataFrame({name: row.frames[name] for name in COLUMNS})
     if os.environ.get("PJPDAF_GOLDEN") == "write":
-        found.round(6).to_csv(GOLDEN, index=False)
-    wanted = pd.read_csv(GOLDEN)
+        found.round(6).to_csv(golden, index=False)
+    wanted = pd.read_csv(golden)
     assert list(found["target"]) == [*TARGETS] * 18
     for name in ("frame", "status", "merged"):
         assert list(found[name]) == list(wanted[name]), name

@@ -8,7 +8,11 @@ def test_an_episode_is_played_again_as_it_was():
     meta = {"preset": "thesis", "detector": "thesis", "tracker": "mine:make", "request": request}
     assert replay_command(meta, "fps_ladder@5", 3) == (
         "pjpdaf-bench run core --only fps_ladder@5 --first-seed 3 --seeds 1 "
-        "--tracker mine:make --set noise_sd=5"
+        "--preset thesis --tracker mine:make --set noise_sd=5"
+    )
+    of_default = {**meta, "preset": "default", "detector": "default", "tracker": "default"}
+    assert replay_command(of_default, "fps_ladder@5", 3) == (
+        "pjpdaf-bench run core --only fps_ladder@5 --first-seed 3 --seeds 1 --set noise_sd=5"
     )
     meta |= {"preset": "thesis-literal", "detector": "thesis-literal", "tracker": "thesis-literal"}
     meta["request"] = {**request, "targets": ["my suite.yaml"], "settings": []}

@@ -18,8 +18,11 @@ from commands import ROOT, assert_one_line, bench, in_this_process
         (("run", "cross", "--set", "speed=3 kg"), ("speed", "m/s", "kg")),
         (("run", "cross", "--set", "speed"), ("KEY=VALUE",)),
         (("run", "cross", "--set", "speed=.2", "--set", "speed=.3"), ("speed", "twice")),
-        (("run", "cross", "--set", "tracker.p_detekt=.5"), ("p_detekt", "p_detect")),
-        (("run", "cross", "--set", "tracker.p_detect=2"), ("p_detect", "2")),
+        (
+            ("run", "cross", "--preset", "thesis", "--set", "tracker.p_detekt=.5"),
+            ("p_detekt", "p_detect"),
+        ),
+        (("run", "cross", "--preset", "thesis", "--set", "tracker.p_detect=2"), ("p_detect", "2")),
         (("run", "cross", "cross"), ("cross", "twice")),
         (("run", "--seeds", "0"), ("--seeds", "0")),
         (("run", "--seeds", "-3"), ("--seeds", "-3")),

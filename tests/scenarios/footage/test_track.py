@@ -185,7 +185,7 @@ def test_corrupt_and_missing_pictures_are_named_and_missed(footage, tmp_path):
     right = links(tmp_path / "right", pictures(footage, "right")[:8])
     (right / "00003.png").unlink()
     (right / "00003.png").write_bytes(pictures(footage, "right")[3].read_bytes()[:2000])
-    done = track(footage, tmp_path / "out", left=left, right=right)
+    done = track(footage, tmp_path / "out", left=left, right=right, preset="thesis")
     assert done.returncode == 0, done.stderr
     lines = done.stderr.strip().splitlines()
     assert len(lines) == 2, done.stderr
@@ -251,6 +251,7 @@ def test_videos_settings_rate_unit_and_skin_sample(footage, tmp_path):
         calibration=(inner, outer),
         unit="mm",
         fps=6,
+        preset="thesis",
         set="tracker.p_detect=0.8",
         skin_sample=tmp_path / "skin.png",
     )
@@ -311,7 +312,7 @@ FAULTS = [
     ({"preset": "thesiss"}, ("thesiss", "Did you mean 'thesis'?")),
     ({"detector": "nowhere:make"}, ("nowhere",)),
     ({"set": "speed=3"}, ("speed", "detector.NAME")),
-    ({"set": "tracker.p_detekt=1"}, ("p_detekt", "p_detect")),
+    ({"preset": "thesis", "set": "tracker.p_detekt=1"}, ("p_detekt", "p_detect")),
     ({"fps": 0}, ("--fps",)),
     ({"unit": "miles"}, ("--unit", "miles")),
     ({"skin_sample": "nowhere.png"}, ("nowhere.png",)),
@@ -349,7 +350,7 @@ def test_a_fault_in_mid_footage_keeps_what_was_tracked(footage, tmp_path):
     assert cv2.imwrite(str(odd), cv2.imread(str(files[7]))[:400])
     left = links(tmp_path / "left", pictures(footage, "left"))
     right = links(tmp_path / "right", [*files[:7], odd, *files[8:]])
-    done = track(footage, tmp_path / "out", left=left, right=right)
+    done = track(footage, tmp_path / "out", left=left, right=right, preset="thesis")
     assert done.returncode == 2
     (line,) = done.stderr.strip().splitlines()
     assert "00007.png: the picture is 640x400 px" in line

@@ -167,7 +167,7 @@ def test_only_and_slim_and_films(made):
 
 
 def test_another_tracker_gives_another_result_on_the_same_pictures(made, kept):
-    changed = plan(request(made, settings=("tracker.measurement_px2=400",), only=("cross",)))
+    changed = plan(request(made, detector="thesis", tracker="thesis", only=("cross",)))
     (row,) = [rows_of(play_complete(one)) for one in changed]
     assert row.digest == kept[0].digest
     assert row.truth == kept[0].truth
@@ -183,7 +183,7 @@ def test_another_tracker_gives_another_result_on_the_same_pictures(made, kept):
         ({"targets": ("smoke",)}, "smoke does not go with --from"),
         ({"only": ("cros",)}, "--only cros: not in it; did you mean cross?"),
         ({"tracker": "nobody"}, "nobody"),
-        ({"settings": ("tracker.gat=4",)}, "gat"),
+        ({"settings": ("tracker.gat=4",), "tracker": "thesis"}, "gat"),
         ({"dataset": Path("nowhere")}, "nowhere: is not a data set"),
     ],
 )

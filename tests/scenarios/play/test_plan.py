@@ -29,7 +29,11 @@ def test_a_suite_says_how_many_seeds():
 
 def test_settings_change_the_scenarios_that_know_them_and_the_system():
     settings = ("frames=5", "noise_sd=9", "tracker.gate=4", "detector.centre_sd_px=2")
-    for job in plan(PlanRequest(("cross", "calm_table"), seeds=1, settings=settings)):
+    for job in plan(
+        PlanRequest(
+            ("cross", "calm_table"), seeds=1, settings=settings, detector="thesis", tracker="thesis"
+        )
+    ):
         assert job.overrides == {"frames": "5", "noise_sd": "9"}
         assert job.system.tracker_settings == {"gate": "4"}
         assert job.system.detector_settings == {"centre_sd_px": "2"}

@@ -19,9 +19,9 @@ from scenarios.run.margins import load_margins, read_margins
 
 SIZE_PX = (320, 240)
 SYSTEMS = {
-    "base": System(),
+    "base": System("thesis", "thesis"),
     # Blobs count as noise: nothing is ever corrected.
-    "worse": System(tracker_settings={"measurement_px2": "1e7"}),
+    "worse": System("thesis", "thesis", tracker_settings={"measurement_px2": "1e7"}),
 }
 
 

@@ -32,7 +32,14 @@ SHORT = ("frames=3", "fps=1")  # in three seconds a useless tracker can fall beh
 
 
 def asked(*settings, targets=("cross",), seeds=2, first_seed=100):
-    return PlanRequest(targets, seeds, first_seed, settings=(*SHORT, *settings))
+    return PlanRequest(
+        targets,
+        seeds,
+        first_seed,
+        settings=(*SHORT, *settings),
+        detector="thesis",
+        tracker="thesis",
+    )
 
 
 @pytest.fixture(scope="module")

@@ -28,7 +28,7 @@ from scenarios.tracks.score import ScoreRequest, score_tracks
 from tests.scenarios.play.test_from_dataset import JOBS, ROOT, make, request
 
 HEADER = "sequence,frame,target,x_m,y_m,z_m"
-COUNTS = {"seq_000000": 8, "seq_000001": 4}
+COUNTS = {"seq_000000": 5, "seq_000001": 4}
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +69,7 @@ def written(table, path):
 @pytest.mark.parametrize("name", ["t.csv", "t.parquet"])
 def test_perfect_tracks_have_no_error(made, truth, tmp_path, name, capsys):
     saved = scored(made, written(truth, tmp_path / name), tmp_path)
-    assert len(saved.frames) == 3 * (8 + 4)
+    assert len(saved.frames) == 3 * (5 + 4)
     assert (saved.frames["error_mm"] == 0).all()
     assert (saved.frames["status"] == "tracked").all()
     assert saved.events.empty
@@ -77,7 +77,7 @@ def test_perfect_tracks_have_no_error(made, truth, tmp_path, name, capsys):
     assert {p["scenario"] for p in saved.meta["pictures"]} == {"cross", "cross+noise"}
     assert (tmp_path / "scored/report.html").stat().st_size > 100_000
     said = capsys.readouterr().out
-    assert "2 sequences, 12 stereo frames scored" in said
+    assert "2 sequences, 9 stereo frames scored" in said
     assert "note:" not in said
 
 
@@ -188,7 +188,7 @@ def test_a_sequence_without_tracks_is_lost_and_told(made, truth, tmp_path, capsy
     saved = scored(made, written(table, tmp_path / "t.csv"), tmp_path)
     assert "seq_000000 (cross seed 101) has no tracks: all lost" in capsys.readouterr().out
     mine = saved.frames[saved.frames["scenario"] == "cross"]
-    assert len(mine) == 3 * 8
+    assert len(mine) == 3 * 5
     assert mine["error_mm"].isna().all()
 
 
@@ -235,8 +235,8 @@ GOOD = "seq_000000,0,head,0.1,0,1.2"
         (lines(header=HEADER + ",x_m"), ":1: has the column 'x_m' twice"),
         (lines(GOOD, "seq_9,0,head,0,0,1"), ":3: no sequence 'seq_9' in the data set"),
         (
-            lines(GOOD, "seq_000000,8,head,0,0,1"),
-            ":3: frame 8 is not in the sequence: its 8",
+            lines(GOOD, "seq_000000,5,head,0,0,1"),
+            ":3: frame 5 is not in the sequence: its 5",
         ),
         (lines("seq_000000,-1,head,0,0,1"), ":2: frame -1 is not in the sequence"),
         (lines("seq_000000,1.5,head,0,0,1"), ":2: frame must be a whole number, got '1.5'"),
