@@ -13,6 +13,7 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, undistort_points
+from pjpdaf.detector.adaptation import AdaptationParameters, BlobDetectorParameters
 from pjpdaf.detector.alignment import Alignment, align, moved
 from pjpdaf.detector.background import Background, BackgroundSums, BackgroundTest, prepare
 from pjpdaf.detector.chroma import ChromaTest, smoothed
@@ -57,12 +58,14 @@ class BlobDetector:
     effect. small: backgrounds of the reduced pictures, of the views as learnt, or empty;
     exposures: how each view's pictures are smoothed, or empty; alignment: rotation of the second
     view that its calibration missed: detections are given as a camera as calibrated would see them.
+    adaptation: which of these parts are on.
     """
 
     base: SkinDetector
     small: tuple[Background, ...] = ()
     exposures: tuple[Exposure, ...] = ()
     alignment: Alignment | None = None
+    adaptation: AdaptationParameters = field(default_factory=AdaptationParameters)
     _tests: tuple[BackgroundTest, ...] = field(init=False, repr=False)
     _chroma: tuple[ChromaTest, ...] = field(init=False, repr=False)
 
@@ -77,7 +80,10 @@ class BlobDetector:
     @staticmethod
     def of(cameras: tuple[Camera, ...], parameters: DetectorParameters) -> BlobDetector:
         """Return a detector that has learnt no background yet."""
-        return BlobDetector(SkinDetector(cameras, parameters))
+        base = SkinDetector(cameras, parameters)
+        if isinstance(parameters, BlobDetectorParameters):
+            return BlobDetector(base, adaptation=parameters.adaptation)
+        return BlobDetector(base)
 
     def learn(self, background: Iterable[StereoFrame]) -> BlobDetector:
         """Return a detector that knows the person-free scene.
@@ -90,12 +96,15 @@ class BlobDetector:
         views = range(len(self.base.cameras))
         for frame in first:
             self.base.checked(frame)
+        adapt = self.adaptation
         exposures = tuple(
             exposure_of([q for frame in first if (q := frame.pictures[view]) is not None])
+            if adapt.smooth_noise
+            else Exposure()
             for view in views
         )
         sums = tuple(BackgroundSums() for _ in views)
-        alignment = _alignment(first, self.base.cameras)
+        alignment = _alignment(first, self.base.cameras) if adapt.align_views else None
 
         def watched() -> Iterable[StereoFrame]:
             for frame in itertools.chain(first, frames):
@@ -111,7 +120,7 @@ class BlobDetector:
 
         base = self.base.learn(watched())
         least = base.parameters.background.background_learn_min
-        return BlobDetector(base, tuple(s.result(least) for s in sums), exposures, alignment)
+        return BlobDetector(base, tuple(s.result(least) for s in sums), exposures, alignment, adapt)
 
     def __call__(
         self, frame: StereoFrame, predicted: Estimates | None = None
@@ -138,18 +147,22 @@ class BlobDetector:
         if not self._tests:
             return View(picture, small, None, None, None)
         hsv = to_hsv(small)
-        coloured = self._chroma[view](small)
-        person = foreground(hsv, self._tests[view]) | opened(coloured)
+        person, coloured = foreground(hsv, self._tests[view]), None
+        if self.adaptation.test_chroma:
+            coloured = self._chroma[view](small)
+            person |= opened(coloured)
         focal_px = self._small_focal_px(view, picture)
         face = face_of(small, person, self._chroma[view].median, focal_px)
         return View(picture, small, person, coloured, face)
 
     def _cloth(self, number: int, view: View, face: Face | None) -> np.ndarray | None:
         """Clothes of the colour of skin in the reduced picture, None without any."""
-        if face is None or view.person is None:
+        p = self.base.parameters
+        if face is None or view.person is None or not self.adaptation.split_clothes:
             return None
-        small = view.small if face.fits else to_reference(view.small, face)
-        skin = (skin_mask(to_hsv(small), self.base.parameters.skin) > 0) & (view.person > 0)
+        balance = self.adaptation.balance_light and not face.fits
+        small = to_reference(view.small, face) if balance else view.small
+        skin = (skin_mask(to_hsv(small), p.skin) > 0) & (view.person > 0)
         smooth = smoothed(view.small.astype(np.float32))
         return cloth_mask(smooth, skin, face, self._small_focal_px(number, view.picture))
 
@@ -161,7 +174,8 @@ class BlobDetector:
     ) -> Detections:
         p, camera = self.base.parameters, self.base.cameras[number]
         picture = view.picture
-        balanced = None if face is None or face.fits else to_reference(picture, face)
+        balance = face is not None and self.adaptation.balance_light and not face.fits
+        balanced = to_reference(picture, face) if face is not None and balance else None
         cloth = self._cloth(number, view, face)
         least = min_area_px(p.components, camera, predicted)
         seen = self.base.segment(number, picture, least, balanced, view.coloured, cloth)

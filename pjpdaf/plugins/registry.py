@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from pjpdaf.camera import Camera
-from pjpdaf.detector.parameters import DetectorParameters
+from pjpdaf.detector.adaptation import BlobDetectorParameters
 from pjpdaf.errors import BenchError, did_you_mean
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import AnyTracker, Detector
@@ -97,7 +97,7 @@ def make_detector(
         if isinstance(preset.tracker, HypothesisParameters):
             detector = BlobDetector.of(cameras, preset.detector)
     else:
-        _refuse_overrides("detector", name, overrides, flat_names(DetectorParameters))
+        _refuse_overrides("detector", name, overrides, flat_names(BlobDetectorParameters))
         detector = cast(
             Detector, _build("detector", DETECTORS, name, cameras, ("learn", "__call__"))
         )

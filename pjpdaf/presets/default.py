@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from pjpdaf.detector.parameters import DetectorParameters
+from pjpdaf.detector.adaptation import BlobDetectorParameters
 from pjpdaf.presets.record import Departure, Preset
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 
 DEFAULT = Preset(
     "default",
-    DetectorParameters(),
+    BlobDetectorParameters(),
     HypothesisParameters(),
     (
         Departure(

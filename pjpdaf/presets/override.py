@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from typing import Any, get_args, get_origin
 
 from pjpdaf.checks import BadParameter
-from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.errors import did_you_mean
 from pjpdaf.presets.flat import VARIANTS, Parameters, flat_names, leaves, replaced
 from pjpdaf.presets.record import Preset
@@ -39,7 +38,7 @@ def override(preset: Preset, values: Mapping[str, object]) -> Preset:
     """
     changes: dict[str, dict[str, object]] = {"detector": {}, "tracker": {}}
     names = {
-        "detector": flat_names(DetectorParameters),
+        "detector": flat_names(type(preset.detector)),
         "tracker": flat_names(type(preset.tracker)),
     }
     for key, value in values.items():

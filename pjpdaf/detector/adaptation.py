@@ -1,0 +1,30 @@
+"""Parts of the blob detector that adapt to room, light and person, each on or off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from pjpdaf.detector.parameters import DetectorParameters
+
+
+@dataclass(frozen=True)
+class AdaptationParameters:
+    """The blob detector's adaptions; the thesis's detector has none."""
+
+    # Noisy pictures are smoothed.
+    smooth_noise: bool = True
+    # Log chroma is tested against the background, beside hue, saturation and value.
+    test_chroma: bool = True
+    # The picture is balanced to the face's colour where the skin range does not hold it.
+    balance_light: bool = True
+    # Clothes of a colour near skin are told from skin.
+    split_clothes: bool = True
+    # A rotation of the cameras that the calibration missed is taken out.
+    align_views: bool = True
+
+
+@dataclass(frozen=True)
+class BlobDetectorParameters(DetectorParameters):
+    """Parameters of the blob detector: the thesis's, and which adaptions are on."""
+
+    adaptation: AdaptationParameters = field(default_factory=AdaptationParameters)
