@@ -28,8 +28,10 @@ COLUMNS = [
 ]
 
 
-def test_cross_seed_0_as_accepted(executor):
-    job = Job(load_scenario("cross"), 0, {"frames": 18}, System())
+@pytest.mark.parametrize("preset", ["thesis", "default"])
+def test_cross_seed_0_as_accepted(preset, executor):
+    golden = GOLDEN / f"cross_0_{preset}.csv"
+    job = Job(load_scenario("cross"), 0, {"frames": 18}, System(preset, preset))
     (row,) = play_all([job], executor).rows
     assert not row.failure
     found = pd.DataFrame({name: row.frames[name] for name in COLUMNS})

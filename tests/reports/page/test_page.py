@@ -349,7 +349,7 @@ def test_links_lead_to_the_player_and_back(report, opened):
         # A closed scenario opens when a link leads to it.
         view.evaluate("document.querySelectorAll('.scenario details').forEach(d => d.open = false)")
         view.locator('#summary a[href="#scenario-1"]').click()
-        assert view.locator("#scenario-1 > details").get_attribute("open") is not None
+        view.wait_for_selector("#scenario-1 > details[open]", state="attached")
 
 
 def test_tables_sort_by_click_and_keyboard(report, opened):
