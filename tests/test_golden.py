@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from pjpdaf.targets import TARGETS
 from scenarios.execute.episodes import play_all

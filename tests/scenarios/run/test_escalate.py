@@ -139,9 +139,9 @@ def test_only_the_very_code_that_made_both_runs_goes_on_with_them(runs):
 def test_what_cannot_be_continued_says_how_to_do_it_by_hand(runs):
     assert manual_command(runs[1], "so it is") == (
         "inconclusive, and the reserve cannot be played here: so it is; play it with each of the "
-        "two versions and compare these runs: pjpdaf-bench run cross --preset thesis --set frames=3 "
-        "--set fps=1 --set tracker.measurement_px2=1e7 --first-seed 1000000 --seeds 14 --slim "
-        "--out DIR"
+        "two versions and compare these runs: pjpdaf-bench run cross --preset thesis "
+        "--set frames=3 --set fps=1 --set tracker.measurement_px2=1e7 --first-seed 1000000 "
+        "--seeds 14 --slim --out DIR"
     )
     other = [{**one, "digests": ["x", "y"]} for one in runs[0].meta["scenarios"]]
     with pytest.raises(CannotEscalate, match="have changed") as caught:
