@@ -30,7 +30,7 @@ def test_flat_names_do_not_clash() -> None:
 
 def test_names_and_values_are_those_of_run_json() -> None:
     """A saved run from before the records were nested has the same names and values."""
-    saved = json.loads((ROOT / "reports/accepted/smoke/run.json").read_text())["parameters"]
+    saved = json.loads((ROOT / "reports/accepted/smoke-thesis/run.json").read_text())["parameters"]
     for part in ("detector", "tracker"):
         values = json.loads(json.dumps(flat_values(getattr(PRESETS["thesis"], part))))
         assert values == saved[part]
