@@ -20,7 +20,7 @@ KEPT_NOISE = 1.0 / (4.0 * np.pi * SMOOTH_PX**2) ** 0.5  # share of the noise tha
 LEAST_NOISE = 0.7  # of a pixel of the reduced picture [grey levels]
 FLOOR = 0.011  # deviation of log chroma that light itself makes
 THRESHOLD = 18.4  # 99.99 % point of chi-square with 2 degrees of freedom
-THRESHOLD_ALONE = 3.0  # of a pixel that was not smoothed
+THRESHOLD_ALONE = 8.0  # of a pixel that was not smoothed
 EVERY = 3  # pixels, for the median
 DARK = 8.0  # grey levels below which a channel says nothing
 

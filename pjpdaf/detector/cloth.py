@@ -13,7 +13,7 @@ SKIN_M2 = 0.11  # more in the skin range than head, hands and rolled sleeves: so
 BIN, BINS, LOW = 0.02, 128, -1.0  # of the histogram of log chroma
 NEAR = 0.04  # radius of the clothes' cluster in log chroma
 LEAST_SHARE = 0.3  # of the pixels away from the face
-APART = 0.045  # between face and clothes, in log chroma: nearer than this nobody can tell them
+APART = 0.036  # between face and clothes, in log chroma: nearer than this nobody can tell them
 REACH = np.ones((5, 5), np.uint8)  # fingers, thinner than a hand
 BOUNDS = 0.4, 0.65  # of the way from the face to the clothes, where clothes begin
 

@@ -27,6 +27,8 @@ from pjpdaf.errors import BenchError
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detections, Estimates
 
+HOLES_PX = 11  # diameter of the holes that are closed where they have the colour of skin
+
 
 @dataclass(frozen=True, eq=False)
 class SkinDetector:
@@ -116,7 +118,11 @@ class SkinDetector:
             same = at[~is_foreground(self._tests[view], hsv, at)]
             if coloured is not None:
                 same = same[_enlarged(coloured, hsv).reshape(-1)[same] < 128]
+            in_range = mask.copy() if coloured is not None else None
             mask.reshape(-1)[same] = 0
+            if in_range is not None:
+                # Holes of a hand on a surface of its own colour.
+                mask |= clean(mask, p.components.open_px, HOLES_PX) & in_range
         cleaned = clean(mask, p.components.open_px, p.components.close_px)
         return segments(cleaned, min_area_px, p.components.merge_fragments)
 
