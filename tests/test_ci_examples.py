@@ -78,7 +78,7 @@ def folder(tmp_path_factory):
         folder,
         TARGETS="cross",
         TRACKER="own_tracker:NearestBlob",
-        DETECTOR="thesis",
+        DETECTOR="default",
         OPTIONS=TINY,
         OUT="runs/mine",
     )
