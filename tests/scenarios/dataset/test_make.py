@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -102,31 +103,56 @@ def test_killed_fifty_times_it_goes_on_to_the_same_bytes(made, tmp_path, executo
     kill_and_go_on(tmp_path / "set", made, random.Random(2), 50, 2, executor)
 
 
+def state_of(pid):
+    """State of a process by proc(5): R running, T stopped, Z ended; Z where it is gone."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().split(") ")[1][0]
+    except OSError:
+        return "Z"
+
+
 def stop(process):
     """Stop a process and its workers until SIGCONT, and wait until they stand still."""
     pids = [process.pid, *worker_pids(process.pid)]
     for pid in pids:
-        os.kill(pid, signal.SIGSTOP)
+        with suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGSTOP)
     for pid in pids:
-        wait_until(lambda path=Path(f"/proc/{pid}/stat"): path.read_text().split(") ")[1][0] == "T")
-    return pids
+        wait_until(lambda pid=pid: state_of(pid) in "TZ")
+    return [pid for pid in pids if state_of(pid) == "T"]
+
+
+def stopped_in_the_middle(folder, sequences):
+    """A maker that stands still with some of its sequences finished, its folder, its processes.
+
+    On a busy machine it may end before it is stopped; then another is started.
+    """
+    attempt = 0
+    while True:
+        attempt += 1
+        out = folder / f"set{attempt}"
+        process = subprocess.Popen(
+            command(out, 1), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        )
+        wait_until((out / "seq_000001").is_dir, process)
+        stopped = stop(process)
+        if process.pid in stopped and len(list(out.glob("seq_*"))) < sequences:
+            return process, out, stopped
+        for pid in stopped:
+            os.kill(pid, signal.SIGCONT)
+        process.communicate()
 
 
 def test_interrupted_it_keeps_what_is_finished_and_a_second_maker_is_refused(
     made, tmp_path, executor
 ):
-    out = tmp_path / "set"
-    process = subprocess.Popen(
-        command(out, 1), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
-    )
-    wait_until((out / "seq_000001").is_dir, process)
-    stopped = stop(process)
+    process, out, stopped = stopped_in_the_middle(tmp_path, len(list(made.glob("seq_*"))))
     with pytest.raises(BenchError, match="another process is making this data set"):
         make(request(out), executor)
     process.send_signal(signal.SIGINT)
     for pid in stopped:
         os.kill(pid, signal.SIGCONT)
-    output = process.communicate(timeout=120)[1]
+    output = process.communicate(timeout=600)[1]
     assert process.returncode == 130
     assert "sequences are in" in output
     assert output.strip().splitlines()[-1].startswith("pjpdaf-bench: interrupted: ")
