@@ -43,8 +43,8 @@ class Hypothesis:
 class Sightings:
     """All choices of a hand in a frame: n pairs, at the face, unseen.
 
-    pairs: of candidates; own (n,) cost of each by itself; joint (n + 2, n + 2) of two together; odds
-    (n,) that it is the right hand [log]; face_m (3,) a hand before the face; face_cost.
+    own (n,) cost of each pair by itself; joint (n + 2, n + 2) of two together; odds (n,) that it is
+    the right hand [log]; face_m (3,) a hand before the face; face_cost.
     """
 
     pairs: Pairs
