@@ -135,6 +135,11 @@ def _event(kind: str, target: int, other: int, span: Span, times: Floats, fps: f
     )
 
 
+def hands_apart(truths_m: Floats) -> Bools:
+    """Frames (F,) of positions (F, T, 3) in which the hands are more than 0.10 m apart."""
+    return _apart(truths_m, RIGHT_HAND, LEFT_HAND)
+
+
 def _apart(truths: Floats, a: int, b: int) -> Bools:
     far: Bools = np.linalg.norm(truths[:, a] - truths[:, b], axis=1) > APART_M
     return far
@@ -142,7 +147,7 @@ def _apart(truths: Floats, a: int, b: int) -> Bools:
 
 def _swaps(truths: Floats, estimates: Floats, times: Floats, fps: float) -> list[Event]:
     margin = swap_margin(truths, estimates)
-    apart = _apart(truths, RIGHT_HAND, LEFT_HAND)
+    apart = hands_apart(truths)
     need = frames_of(SWAP_S, fps)
     spans = sustained(apart & (margin < 0), apart & (margin > 0), need, need, gap=need)
     return [_event("swap", RIGHT_HAND, LEFT_HAND, span, times, fps) for span in spans]
