@@ -43,11 +43,11 @@ class Hypothesis:
 class Sightings:
     """All choices of a hand in a frame: n pairs, at the face, unseen.
 
-    found: the pairs; own (n,) cost of each by itself; joint (n + 2, n + 2) of two together; odds
-    (n,) that it is the right hand [log]; face_m (3,) a hand before the face; face_cost.
+    own (n,) cost of each pair by itself; joint (n + 2, n + 2) of two together; odds (n,) that it is
+    the right hand [log]; face_m (3,) a hand before the face; face_cost.
     """
 
-    found: Pairs
+    pairs: Pairs
     own: Floats
     joint: Floats
     odds: Floats
@@ -63,8 +63,8 @@ def grow(
     Each hypothesis goes on with every pair of choices; the best `hypotheses` of all are kept, those
     of equal places once. Costs are shifted so that the smallest is 0.
     """
-    points = np.concatenate([seen.found.points_m, seen.face_m[None]])
-    C = np.concatenate([seen.found.covariances_m2, np.eye(3)[None] * p.noise.face_m**2])
+    points = np.concatenate([seen.pairs.points_m, seen.face_m[None]])
+    C = np.concatenate([seen.pairs.covariances_m2, np.eye(3)[None] * p.noise.face_m**2])
     each = _alone(hypotheses, seen, points, C, dt_s, p)
     doubt = np.concatenate([seen.odds, [0.0, 0.0]])
     # The cost of the less likely side; the likelier costs nothing.
@@ -126,7 +126,7 @@ def _alone(
     p: HypothesisParameters,
 ) -> Floats:
     """Cost (K, 2, n + 2) of each hand's choices by themselves: motion and looks."""
-    n, c = len(seen.found), p.costs
+    n, c = len(seen.pairs), p.costs
     means = np.array([h.means for h in hypotheses])  # (K, 2, 3)
     P = np.array([h.covariances for h in hypotheses])
     log = log_likelihood(
