@@ -60,7 +60,7 @@ def bounded(P: Floats) -> Floats:
     largest = P.diagonal(axis1=1, axis2=2).max(axis=1)
     if not largest.max() > VARIANCE_MAX:
         return P
-    return P * np.minimum(1.0, VARIANCE_MAX / largest)[:, None, None]
+    return np.asarray(P * np.minimum(1.0, VARIANCE_MAX / largest)[:, None, None])
 
 
 def joseph(P: Floats, K: Floats, H: Floats, R: Floats) -> Floats:
