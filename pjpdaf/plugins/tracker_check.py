@@ -214,6 +214,6 @@ def _frozen(state: Any) -> bytes | str:
 
 
 def _equal(a: Estimates, b: Estimates) -> bool:
-    names = ("positions_m", "covariances_m2", "velocities_mps")
+    names = ("positions_m", "covariances_m2", "velocities_mps", "exchange_probability")
     same = all(np.array_equal(getattr(a, n), getattr(b, n), equal_nan=True) for n in names)
     return same and a.status == b.status

@@ -17,7 +17,7 @@ from pjpdaf.tracker.association import Association, assign, associate
 from pjpdaf.tracker.measurement import Projection, linearise
 from pjpdaf.tracker.parameters import TrackerParameters
 from pjpdaf.tracker.process import process_noise, transition
-from pjpdaf.tracker.projective import predict
+from pjpdaf.tracker.projective import bounded, predict
 from pjpdaf.tracker.start import Starter, find_head_and_hands, start_covariance
 from pjpdaf.tracker.state import Prior, TrackState
 from pjpdaf.tracker.status import judge
@@ -111,6 +111,7 @@ class PJPDAF:
     ) -> tuple[TrackState, Estimates]:
         fusion = self.parameters.fusion
         mean, covariance = fusion.update(prior, association, fusion.beta_0)
+        covariance = bounded(covariance)
         after = judge(self.parameters.status, before, mean, covariance, association, dt_s)
         return after, self.estimates(after)
 

@@ -33,7 +33,7 @@ from pjpdaf.tracker.hypotheses.motion import spread
 from pjpdaf.tracker.hypotheses.opening import open_tracks
 from pjpdaf.tracker.hypotheses.pairs import Pairs, pair_candidates
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
-from pjpdaf.tracker.hypotheses.readout import exchange_probability, read_out
+from pjpdaf.tracker.hypotheses.readout import read_out
 
 VIEWS = 2
 START_SD_M = 0.02
@@ -51,8 +51,7 @@ class HypothesisState:
     """All that changes from frame to frame.
 
     hypotheses: from the likeliest; estimates: the latest; hand_area_m2: of a whole hand, learnt;
-    longest_m: mean length of the longer hand's blob, which tells bare forearms; exchanged:
-    probability that right and left are exchanged.
+    longest_m: mean length of the longer hand's blob, which tells bare forearms.
     """
 
     head: HeadTrack
@@ -60,7 +59,6 @@ class HypothesisState:
     estimates: Estimates
     hand_area_m2: float
     longest_m: float
-    exchanged: float = 0.0
 
 
 @final
@@ -169,7 +167,6 @@ class HypothesisTracker:
             estimates,
             _learnt_area(state.hand_area_m2, pairs, list(chosen), p),
             self._longest(state, seen, places, dt_s),
-            exchange_probability(grown),
         )
         return after, estimates
 
