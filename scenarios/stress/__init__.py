@@ -1,1 +1,1 @@
-"""Stress: find, shrink, map and estimate the failures of a tracker."""
+"""Stress: search, shrink, map and estimate the failures of a tracker."""
