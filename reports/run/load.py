@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,9 +18,12 @@ from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from reports.run.schema import (
     KIND,
+    OLDEST_VERSION,
     SCHEMA_VERSION,
     SLIM_TABLES,
     TABLES,
+    columns_since,
+    schema_of,
 )
 from reports.score.events import KINDS
 from sim.dataset.files.checksums import sha256_of
@@ -31,7 +35,8 @@ _REQUEST = ("targets", "seeds", "first_seed", "only", "settings", "preset", "det
 class SavedRun:
     """A saved run: meta is run.json, the data frames are its tables (`reports.run.schema`).
 
-    A slim run has empty tables but for `SLIM_TABLES`.
+    A slim run has empty tables but for `SLIM_TABLES`. In a run of an earlier version, the columns
+    that it lacks are NaN, or 0 where they count.
     """
 
     folder: Path
@@ -49,6 +54,11 @@ class SavedRun:
         return str(self.meta["name"])
 
     @property
+    def version(self) -> int:
+        """The version of its columns."""
+        return int(self.meta["schema_version"])
+
+    @property
     def slim(self) -> bool:
         """Whether it was saved without frames, detections, pictures and films."""
         return bool(self.meta.get("slim"))
@@ -64,7 +74,7 @@ def load(folder: Path) -> SavedRun:
         _check_file(folder, name, entry)
     stored = _tables_in(meta)
     tables = {
-        name: _load_table(folder / f"{name}.parquet", schema)
+        name: _load_table(folder / f"{name}.parquet", name, meta["schema_version"])
         if name in stored
         else schema.empty_table().to_pandas()
         for name, schema in TABLES.items()
@@ -91,10 +101,11 @@ def _load_meta(folder: Path) -> dict[str, Any]:
         raise BenchError(f"{path}: is damaged: {one_line(error)}.") from error
     if not isinstance(meta, dict) or meta.get("kind") != KIND:
         raise BenchError(f"{path}: is not the run.json of a saved run.")
-    if meta.get("schema_version") != SCHEMA_VERSION:
+    version = meta.get("schema_version")
+    if type(version) is not int or not OLDEST_VERSION <= version <= SCHEMA_VERSION:
         raise BenchError(
-            f"{path}: schema version {meta.get('schema_version')!r}; "
-            f"this version reads {SCHEMA_VERSION}: play the run again."
+            f"{path}: schema version {version!r}; this version reads {OLDEST_VERSION} to "
+            f"{SCHEMA_VERSION}: play the run again."
         )
     shapes = {"name": str, "files": dict, "scenarios": list, "pictures": list, "timing": list}
     shapes |= {"films": list, "provenance": dict}
@@ -172,17 +183,21 @@ def _check_file(folder: Path, name: str, entry: Any) -> None:
         )
 
 
-def _load_table(path: Path, schema: pa.Schema) -> pd.DataFrame:
+def _load_table(path: Path, name: str, version: int) -> pd.DataFrame:
+    schema = schema_of(name, version)
     try:
         table = pq.read_table(path)
     except (OSError, pa.ArrowException) as error:
         raise BenchError(f"{path}: is damaged: {one_line(error)}.") from error
     if not table.schema.equals(schema):
         odd = sorted({*schema.names} ^ {*table.schema.names}) or ["types"]
-        raise BenchError(
-            f"{path}: has other columns than schema {SCHEMA_VERSION}: {', '.join(odd)}."
-        )
+        raise BenchError(f"{path}: has other columns than schema {version}: {', '.join(odd)}.")
     frame: pd.DataFrame = table.to_pandas()
+    whole = TABLES[name]
+    for column in columns_since(version, name):
+        counts = pa.types.is_integer(whole.field(column).type)
+        frame[column] = 0 if counts else math.nan
+    frame = frame[whole.names]
     known = {"target": {*TARGETS}, "kind": {*KINDS}}
     for column, values in known.items():
         if column in frame and not set(frame[column]) <= values:
