@@ -55,10 +55,19 @@ class HeadTrack:
 
 
 def follow_head(
-    track: HeadTrack, seen: tuple[Blobs, ...], views: Views, dt_s: float, p: HypothesisParameters
+    track: HeadTrack,
+    seen: tuple[Blobs, ...],
+    views: Views,
+    dt_s: float,
+    p: HypothesisParameters,
+    known_m: Floats | None = None,
 ) -> tuple[HeadTrack, tuple[HeadPlace | None, ...]]:
-    """The head one frame later, and its place in each view, None where it is not seen."""
-    places = head_places(track, seen, views)
+    """The head one frame later, and its place in each view, None where it is not seen.
+
+    known_m (3,): where it is looked for in place of the prediction.
+    """
+    looked_for = track if known_m is None else replace(track, mean=known_m)
+    places = head_places(looked_for, seen, views)
     sighting = _sighting(track, places, views, p)
     m = p.motion
     if sighting is None:
