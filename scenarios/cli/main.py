@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from pjpdaf.errors import BenchError
-from scenarios.cli import dataset, doctor, footage, gate, plugin, run, scenarios
+from scenarios.cli import cache, dataset, doctor, footage, gate, plugin, run, scenarios
 from scenarios.cli.streams import discard_output, surviving_readers
 
 app = typer.Typer(
@@ -38,6 +38,7 @@ for verb in (
 app.add_typer(scenarios.app, name="scenarios")
 app.add_typer(plugin.app, name="plugin")
 app.add_typer(dataset.app, name="dataset")
+app.add_typer(cache.app, name="cache")
 
 
 def _version(asked: bool) -> None:
