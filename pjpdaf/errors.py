@@ -8,6 +8,8 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
+from pjpdaf.printable import printable
+
 E = TypeVar("E", bound="BenchError")
 
 
@@ -20,6 +22,10 @@ class BenchError(Exception):
     """
 
     exit_code = 2
+
+    def __str__(self) -> str:
+        # Text quoted from a file may hold anything; a fault stays one line, harmless on a terminal.
+        return printable(super().__str__())
 
     def reworded(self, line: str) -> Self:
         """Copy the fault, with its type, fields and exit code, and another line."""

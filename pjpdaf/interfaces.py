@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -71,12 +73,16 @@ class Estimates:
 
     positions_m (T, 3) world; covariances_m2 (T, 3, 3); velocities_mps (T, 3);
     status (T,): of `STATUSES` ("waiting": not started yet, positions are NaN).
+    exchange_probability: that the right and the left hand's rows are exchanged, 0-1, NaN where the
+    tracker gives none.
+    Raises ValueError for another shape, an unknown status, a probability outside 0-1.
     """
 
     positions_m: Floats
     covariances_m2: Floats
     velocities_mps: Floats
     status: tuple[str, ...]
+    exchange_probability: float = math.nan
 
     def __post_init__(self) -> None:
         T = len(self.status)
@@ -87,6 +93,12 @@ class Estimates:
         unknown = set(self.status) - set(STATUSES)
         if unknown:
             raise ValueError(f"Estimates.status must be one of {STATUSES}, got {sorted(unknown)}")
+        p = self.exchange_probability
+        if not (isinstance(p, Real) and (math.isnan(p) or 0.0 <= p <= 1.0)):
+            raise ValueError(
+                f"Estimates.exchange_probability must be from 0 to 1, or NaN for none, got {p!r}"
+            )
+        object.__setattr__(self, "exchange_probability", float(p))
 
     @staticmethod
     def waiting(T: int = 3) -> Estimates:

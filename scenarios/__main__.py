@@ -1,5 +1,5 @@
 """`python -m scenarios` is the command pjpdaf-bench."""
 
-from scenarios.cli.main import main
+from pjpdaf.entry import main
 
 main()

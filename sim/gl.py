@@ -27,6 +27,7 @@ LIBRARIES: Mapping[str, tuple[tuple[str, ...], ...]] = {
     "egl": (("libEGL.so.1",), ("libOpenGL.so.0", "libGL.so.1")),
     "osmesa": (("libOSMesa.so.8",),),
 }
+DEVICE = "MUJOCO_EGL_DEVICE_ID"  # of MuJoCo: which graphics card
 CHOICES = ("egl", "osmesa", "glfw", "glx", "disabled")
 
 _local = threading.local()
@@ -105,8 +106,19 @@ def prepare(threads: int | None = None) -> str:
             "import sim before mujoco, or set MUJOCO_GL=egl"
         )
     backend = choose(os.environ)
+    check_platform(backend, os.environ)
     os.environ["MUJOCO_GL"] = backend
     return backend
+
+
+def check_platform(backend: str, environment: Mapping[str, str]) -> None:
+    """Raise InfrastructureError where PYOPENGL_PLATFORM is another back end's than MuJoCo's."""
+    platform_name = environment.get("PYOPENGL_PLATFORM", "")
+    if backend in LIBRARIES and platform_name and platform_name.lower() != backend:
+        raise InfrastructureError(
+            f"PYOPENGL_PLATFORM={platform_name} contradicts MUJOCO_GL={backend}; "
+            "unset PYOPENGL_PLATFORM"
+        )
 
 
 @functools.cache
@@ -161,7 +173,20 @@ def _create_context() -> Any:
         return module.GLContext(64, 64)
     except Exception as fault:  # PyOpenGL raises a different class for each driver fault
         cause = str(fault).strip().partition("\n")[0]
-        raise InfrastructureError(f"no OpenGL context ({cause}); {REMEDY}") from fault
+        raise _no_context(cause, os.environ) from fault
+
+
+def _no_context(cause: str, environment: Mapping[str, str]) -> InfrastructureError:
+    """The fault of a context that cannot be made; it names a device that the user chose."""
+    device = environment.get(DEVICE)
+    if device is None:
+        return InfrastructureError(f"no OpenGL context ({cause}); {REMEDY}")
+    if not device.strip().isdecimal():
+        cause = "must be the number of a device, 0 or more"
+    return InfrastructureError(
+        f"{DEVICE}={device}: no OpenGL context on this device ({cause}); unset {DEVICE} to have "
+        "a device chosen"
+    )
 
 
 def info() -> GLInfo:

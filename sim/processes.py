@@ -12,6 +12,7 @@ import pickle
 import signal
 import threading
 import time
+import traceback
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -20,7 +21,9 @@ from multiprocessing import connection
 from types import TracebackType
 from typing import Any, Generic, TypeVar
 
-from pjpdaf.errors import InfrastructureError
+from pjpdaf import entry
+from pjpdaf.errors import BenchError, InfrastructureError
+from pjpdaf.unforeseen import describe
 
 ATTEMPTS = 3  # at a task whose worker is killed
 POLL_S = 0.5
@@ -180,7 +183,7 @@ class _Worker:
         # Spawn, always: a child forked beside a GL context hangs.
         spawn = multiprocessing.get_context("spawn")
         self._pipe, theirs = spawn.Pipe()
-        self.process = spawn.Process(target=_serve, args=(theirs,))
+        self.process = spawn.Process(target=entry.serve, args=(theirs,))
         with _terminal_signals_blocked():
             self.process.start()
         theirs.close()  # so that its end is known by the pipe's
@@ -252,7 +255,7 @@ def _end_all(workers: Sequence[_Worker]) -> None:
         worker.end()
 
 
-def _serve(pipe: Any) -> None:
+def serve(pipe: Any) -> None:
     """In a worker: answer each task, until the pipe is closed."""
     _prepare_worker()
     while True:
@@ -264,11 +267,25 @@ def _serve(pipe: Any) -> None:
         try:
             answer = _RETURNED, function(task)
         except Exception as fault:
-            answer = _RAISED, fault
+            answer = _RAISED, _sendable(fault)
         try:
             pipe.send(answer)
         except (AttributeError, TypeError, pickle.PicklingError) as fault:
             pipe.send((_RAISED, RuntimeError(f"its answer cannot be sent: {fault}")))
+
+
+def _sendable(fault: Exception) -> Exception:
+    """The exception as another process can read it; an unforeseen one tells where it was raised."""
+    if isinstance(fault, BenchError):
+        return fault
+    fault.add_note("In a worker:\n" + "".join(traceback.format_exception(fault)))
+    try:
+        pickle.loads(pickle.dumps(fault))
+    except Exception:  # pickle raises nearly anything, and so do the classes that it builds
+        plain = RuntimeError(describe(fault))
+        plain.__notes__ = fault.__notes__
+        return plain
+    return fault
 
 
 def _prepare_worker() -> None:

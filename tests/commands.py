@@ -19,7 +19,7 @@ LIMIT_S = 300.0  # for a slow machine; nothing takes that long where all is well
 
 def command(*words):
     """The command line of `pjpdaf-bench WORDS`."""
-    return [sys.executable, "-m", "scenarios", *map(str, words)]
+    return [sys.executable, "-m", "pjpdaf.entry", *map(str, words)]
 
 
 def started(*words, **options):

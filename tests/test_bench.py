@@ -132,6 +132,19 @@ def test_environment_does_not_matter(ready, environment):
     assert start(ready, "scenarios", **environment).stdout == "<scenarios>"
 
 
+def test_a_file_of_pip_cannot_send_packages_elsewhere(tmp_path):
+    """pip refuses `user = true` in a virtual environment; the wrapper's environment beats it."""
+    settings = tmp_path / "pip.conf"
+    settings.write_text("[global]\nuser = true\n")
+    wrapper = (ROOT / "bench").read_text()
+    lines = wrapper[wrapper.index("  unset PIP_TARGET") : wrapper.index('  if ! "$python" -I')]
+    show = f"{lines}\n'{sys.executable}' -I -m pip config debug"
+    env = {**os.environ, "PIP_CONFIG_FILE": str(settings)}
+    done = subprocess.run(["sh", "-c", show], env=env, capture_output=True, text=True, check=True)
+    assert "PIP_USER='0'" in done.stdout
+    assert "global.user: true" in done.stdout
+
+
 def test_no_python_is_one_line(checkout, tools):
     assert_stops(start(checkout, "run", path=tools), 5, "no Python 3.11", "PJPDAF_PYTHON=")
 

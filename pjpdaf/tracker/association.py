@@ -14,7 +14,7 @@ from pjpdaf.interfaces import Detections
 from pjpdaf.tracker.clutter import ClutterReading, Relative
 from pjpdaf.tracker.jpda import association_probabilities, squared_distances
 from pjpdaf.tracker.occlusion import OcclusionRule
-from pjpdaf.tracker.projective import innovation_covariance
+from pjpdaf.tracker.projective import innovation_covariance, inverse
 from pjpdaf.tracker.state import Prior
 
 
@@ -91,7 +91,7 @@ def associate(
     """Per-view JPDA of the prediction (Eq. 3.36-3.38, 3.43); clutter: C of each view."""
     T = len(prior.mean)
     S = innovation_covariance(prior.H.swapaxes(0, 1), prior.P, prior.R)  # (N, T, r, r)
-    S_inverse = np.asarray(np.linalg.inv(S), dtype=np.float64)
+    S_inverse = inverse(S)
     arrived = np.array([not view.missing for view in detections])
     out = without_measurements(parameters, prior, arrived)
     for n, view in enumerate(detections):

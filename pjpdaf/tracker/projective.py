@@ -14,6 +14,7 @@ from pjpdaf.arrays import Floats
 
 _KEPT = (0, 1, 2, 4, 5, 6)  # rows of Eq. 3.18 that are no constants
 _EYE = np.eye(6)
+VARIANCE_MAX = 1e6  # [m^2, (m/s)^2]: a kilometre; such a target is lost long before
 
 
 def homogeneous(state: Floats) -> Floats:
@@ -35,8 +36,31 @@ def innovation_covariance(H: Floats, P: Floats, R: Floats) -> Floats:
 
 
 def gain(P: Floats, H: Floats, S: Floats) -> Floats:
-    """K = P H^T S^-1 (Eq. 3.12), (..., 6, r)."""
-    return np.asarray(np.linalg.solve(S, H @ P).swapaxes(-1, -2))
+    """K = P H^T S^-1 (Eq. 3.12), (..., 6, r); with the pseudo-inverse where S is singular."""
+    try:
+        return np.asarray(np.linalg.solve(S, H @ P).swapaxes(-1, -2))
+    except np.linalg.LinAlgError:
+        return np.asarray(P @ H.swapaxes(-1, -2) @ np.linalg.pinv(S, hermitian=True))
+
+
+def inverse(S: Floats) -> Floats:
+    """S^-1 (..., r, r); the pseudo-inverse where S is singular."""
+    try:
+        return np.asarray(np.linalg.inv(S), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.pinv(S, hermitian=True))
+
+
+def bounded(P: Floats) -> Floats:
+    """Covariances (T, 6, 6), scaled down where a variance exceeds `VARIANCE_MAX`.
+
+    The printed sum of Eq. 3.42 doubles P at each frame without detections: after 14 s at 3 Hz it
+    outweighs R by more digits than a number has, and S is singular.
+    """
+    largest = P.diagonal(axis1=1, axis2=2).max(axis=1)
+    if not largest.max() > VARIANCE_MAX:
+        return P
+    return np.asarray(P * np.minimum(1.0, VARIANCE_MAX / largest)[:, None, None])
 
 
 def joseph(P: Floats, K: Floats, H: Floats, R: Floats) -> Floats:

@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, distort_points, project
 from pjpdaf.interfaces import Estimates
-from pjpdaf.targets import TARGETS
+from pjpdaf.targets import HANDS, TARGETS
 from sim.files import disk_faults
 
 CSV, PARQUET = "tracks.csv", "tracks.parquet"
@@ -23,7 +23,8 @@ _NUMBERS = (
     *(f"{axis}_{view}_px" for view in ("left", "right") for axis in "uv"),
     *(f"sd_{axis}_m" for axis in "xyz"),
 )
-COLUMNS = ("frame", "time_s", "target", *_NUMBERS[:3], "status", *_NUMBERS[3:])
+EXCHANGE = "exchange_probability"  # the same in both hands' rows
+COLUMNS = ("frame", "time_s", "target", *_NUMBERS[:3], "status", *_NUMBERS[3:], EXCHANGE)
 SCHEMA = pa.schema(
     [
         (
@@ -58,6 +59,8 @@ def track_rows(
         row["status"] = estimates.status[t]
         for name, value in zip(_NUMBERS, numbers.tolist(), strict=True):
             row[name] = value if known[t] and math.isfinite(value) else None
+        stated = estimates.exchange_probability
+        row[EXCHANGE] = stated if t in HANDS and math.isfinite(stated) else None
         rows.append(row)
     return rows
 

@@ -13,6 +13,7 @@ from pjpdaf.arrays import Floats
 from pjpdaf.errors import BenchError
 from reports.run.load import SavedRun
 from reports.run.motion_mark import same_motion
+from reports.run.schema import columns_since
 from reports.score.gospa import CUT_OFF_M
 
 # Beyond this distance a target is lost; how far beyond is chance, and would dominate the mean.
@@ -167,18 +168,28 @@ def notes_of(base: SavedRun, new: SavedRun) -> tuple[str, ...]:
 def same_results(base: SavedRun, new: SavedRun) -> bool:
     """Whether the results of two runs are the same, bit for bit.
 
-    Frames are compared where both runs have them: a slim run keeps only their sums.
+    Frames are compared where both runs have them: a slim run keeps only their sums; columns where
+    both have them: a run of an earlier version lacks some.
     """
-    pairs = [(base.events, new.events), (base.tracking, new.tracking)]
-    pairs.append((measured(base.episodes), measured(new.episodes)))
+    names = ["events", "tracking", "episodes"]
     if len(base.frames) and len(new.frames):
-        pairs.append((base.frames, new.frames))
+        names.append("frames")
+    oldest = min(base.version, new.version)
+    pairs = [(_measured(base, name, oldest), _measured(new, name, oldest)) for name in names]
     return all(one.equals(other) for one, other in pairs)
 
 
-def measured(episodes: pd.DataFrame) -> pd.DataFrame:
-    """The table of episodes without the columns that a slim run leaves out."""
-    return episodes.drop(columns=["digest", "values_json"])
+def _measured(run: SavedRun, name: str, version: int) -> pd.DataFrame:
+    """A table with the columns of a version, without those that a slim run leaves out."""
+    table: pd.DataFrame = getattr(run, name)
+    if name == "episodes":
+        return measured(table, version)
+    return table.drop(columns=list(columns_since(version, name)))
+
+
+def measured(episodes: pd.DataFrame, version: int) -> pd.DataFrame:
+    """The table of episodes as of a version, without the columns that a slim run leaves out."""
+    return episodes.drop(columns=["digest", "values_json", *columns_since(version, "episodes")])
 
 
 def joined(runs: Sequence[SavedRun]) -> SavedRun:

@@ -1,7 +1,7 @@
 """Data of an episode for the page's player: small whole numbers, packed.
 
-Lengths are whole 0.1 mm, pixels whole 0.1 px, times ms; a series is its first value and then
-differences, None where there is no value. The script `player_data.js` reads this form.
+Lengths are whole 0.1 mm, pixels whole 0.1 px, times ms, probabilities 0.001; a series is its first
+value and then differences, None where there is no value. `player_data.js` reads this form.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import pandas as pd
 
 from pjpdaf.arrays import Floats
 from pjpdaf.interfaces import STATUSES
-from pjpdaf.targets import TARGETS
+from pjpdaf.targets import RIGHT_HAND, TARGETS
 from reports.page.episode_tables import EpisodeTables
 from reports.page.event_text import event_text
 from reports.page.packing import json_text
@@ -44,6 +44,7 @@ def episode_data(episode: EpisodeTables) -> dict[str, Any]:
         "estimates": _series(episode.points_mm("estimate").reshape(F, -1) * 10),
         "mm": _series(episode.column("error_mm") * 10),
         "px": _series(episode.column("err_acc_px") * 10),
+        "exchange": _deltas(episode.column("exchange_probability")[:, RIGHT_HAND] * 1e3),
         "status": ["".join(str(STATUSES.index(s)) for s in status[:, t]) for t in range(3)],
         "merged": ["".join("01"[int(m)] for m in merged[:, t]) for t in range(3)],
         "labels": [[i, str(labels[i])] for i in changes if labels[i]],

@@ -8,9 +8,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pjpdaf.targets import TARGETS
+from pjpdaf.targets import HANDS, TARGETS
 from reports.run.schema import CLEAR, EPISODES, HOTA, IDENTITY, SUMS, TableRow
 from reports.score.events import count_events, find_events
+from reports.score.exchange import exchange_of
 from reports.score.gospa import gospa
 from reports.score.mot import clear_mot, hota, identity
 from reports.score.records import (
@@ -92,11 +93,26 @@ def episode_rows(episode: Episode, result: EpisodeScore) -> tuple[TableRow, ...]
             "lost_frames": counts.lost_frames,
             "recoveries": counts.recoveries,
             "sum_recovery_s": float(counts.recovery_s),
+            **_exchange(episode, t),
             **_budget(episode, t),
             "values_json": _json_line(episode.values),
         }
         rows.append(row)
     return tuple(rows)
+
+
+def _exchange(episode: Episode, t: int) -> TableRow:
+    """Count and sum the frames with a stated exchange probability; none for the head."""
+    judged = exchange_of(episode).judged
+    stated, exchanged = judged.stated, judged.exchanged
+    if t not in HANDS:
+        stated = exchanged = np.zeros(0)
+    return {
+        "exchange_frames": len(stated),
+        "exchanged_frames": int(exchanged.sum()),
+        "sum_exchange_probability": math.fsum(stated.tolist()),
+        "sum_exchange_brier": math.fsum(((stated - exchanged) ** 2).tolist()),
+    }
 
 
 def _budget(episode: Episode, t: int) -> TableRow:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from pjpdaf.targets import TARGETS
+from pjpdaf.targets import HANDS, TARGETS
 from reports.run.schema import COVARIANCE, DETECTIONS, FRAMES
+from reports.score.exchange import exchange_of
 from reports.score.records import (
     VIEWS,
     Episode,
@@ -18,6 +19,8 @@ def frame_columns(episode: Episode, result: EpisodeScore) -> dict[str, list[obje
     """Columns of `FRAMES`, F * T values each: frame by frame, targets in order within a frame."""
     outcomes = episode.frames
     F, T = result.error_m.shape
+    exchange = exchange_of(episode)
+    is_hand = np.array([target in HANDS for target in range(T)])
     columns: dict[str, list[object]] = {
         "scenario": [episode.scenario] * (F * T),
         "seed": [episode.seed] * (F * T),
@@ -37,6 +40,8 @@ def frame_columns(episode: Episode, result: EpisodeScore) -> dict[str, list[obje
         "surface_mm": result.surface_m * 1e3,
         "err_acc_px": result.err_acc_px,
         "nees": result.nees,
+        "exchange_probability": np.where(is_hand, exchange.stated[:, None], np.nan),
+        "exchanged": np.where(is_hand, exchange.exchanged[:, None], np.nan),
     }
     for a, axis in enumerate("xyz"):
         numbers[f"truth_{axis}_m"] = np.stack([o.truth.centres_m[:, a] for o in outcomes])

@@ -25,7 +25,7 @@ from reports.run.schema import (
     METRICS_VERSION,
     SCHEMA_VERSION,
     SLIM_TABLES,
-    TABLES,
+    schema_of,
 )
 from reports.run.tables import tables_of, write_table
 from reports.score.records import Episode, EpisodeFailure
@@ -88,7 +88,8 @@ def save(
 def save_slim(run: SavedRun, folder: Path, *, force: bool = False) -> Path:
     """Write a copy with only the gate's tables, small enough for git, and return the folder.
 
-    No frames, detections, cameras, drawn values, times, pictures, films. Raises as `save`.
+    No frames, detections, cameras, drawn values, times, pictures, films. It keeps the version of
+    the run. Raises as `save`.
     """
     folder = Path(os.path.abspath(folder))  # noqa: PTH100 - as in save
     check_free(folder, force=force)
@@ -99,7 +100,8 @@ def save_slim(run: SavedRun, folder: Path, *, force: bool = False) -> Path:
     tables = {"episodes": episodes, "events": run.events, "tracking": run.tracking}
     with _in_place(folder) as part:
         for name in SLIM_TABLES:
-            table = pa.Table.from_pandas(tables[name], TABLES[name], preserve_index=False)
+            schema = schema_of(name, run.version)
+            table = pa.Table.from_pandas(tables[name], schema, preserve_index=False)
             write_table(part / f"{name}.parquet", table.replace_schema_metadata(), packed=True)
         empty: dict[str, Any] = {"timing": [], "pictures": [], "films": []}
         meta = {**run.meta, **empty, "slim": True, "files": _files_in(part)}

@@ -15,7 +15,7 @@ from reports.score.score import BANDS_M
 
 TableRow = dict[str, object]
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 KIND = "pjpdaf-bench run"
 # Version of the scores: results of different versions are not compared.
 METRICS_VERSION = 1
@@ -46,9 +46,20 @@ FRAMES = pa.schema(
         ("err_acc_px", _FLOAT),
         *[(f"visible_{view}", _FLOAT) for view in VIEWS],
         ("nees", _FLOAT),
+        ("exchange_probability", _FLOAT),
+        ("exchanged", _FLOAT),
         ("labels", _TEXT),
     ]
 )
+
+# Frames with a stated exchange probability and hands apart; of these the exchanged ones, and the
+# sums of the stated probability and of its squared error.
+EXCHANGE = [
+    ("exchange_frames", _INT),
+    ("exchanged_frames", _INT),
+    ("sum_exchange_probability", _FLOAT),
+    ("sum_exchange_brier", _FLOAT),
+]
 
 SUMS = ("error_mm", "lateral_mm", "abs_depth_mm", "surface_mm", "err_acc_px", "nees")
 _COUNTED = ("frames", "covered", *[f"within_{round(b * 1000)}" for b in BANDS_M])
@@ -81,6 +92,7 @@ EPISODES = pa.schema(
         ("lost_frames", _INT),
         ("recoveries", _INT),
         ("sum_recovery_s", _FLOAT),
+        *EXCHANGE,
         ("budget_frames", _INT),
         *[(f"sum_budget_{level}_mm", _FLOAT) for level in BUDGET_LEVELS],
         ("values_json", _TEXT),
@@ -148,5 +160,24 @@ TABLES = {
     "detections": DETECTIONS,
     "cameras": CAMERAS,
 }
+# Columns that came with a version. A run of an earlier one has them empty.
+ADDED = {
+    3: {
+        "frames": ("exchange_probability", "exchanged"),
+        "episodes": tuple(name for name, _ in EXCHANGE),
+    }
+}
+OLDEST_VERSION = min(ADDED) - 1
 # A slim run has what the gate reads, small enough for git.
 SLIM_TABLES = ("episodes", "events", "tracking")
+
+
+def columns_since(version: int, table: str) -> tuple[str, ...]:
+    """Columns of a table that a run of this version lacks."""
+    return tuple(name for v, new in ADDED.items() if v > version for name in new.get(table, ()))
+
+
+def schema_of(table: str, version: int) -> pa.Schema:
+    """Schema of a table in a run of this version."""
+    absent = columns_since(version, table)
+    return pa.schema([column for column in TABLES[table] if column.name not in absent])

@@ -74,12 +74,17 @@ def find_events(episode: Episode) -> tuple[Event, ...]:
 
 
 def swap_margin(truths_m: Floats, estimates_m: Floats) -> Floats:
-    """m (F,) from positions (F, T, 3): +1 right, 0 coalesced, -1 swapped.
+    """`pair_margin` of the two hands."""
+    return pair_margin(truths_m, estimates_m, RIGHT_HAND, LEFT_HAND)
 
-    NaN in frames without estimates of both hands.
+
+def pair_margin(truths_m: Floats, estimates_m: Floats, a: int, b: int) -> Floats:
+    """m (F,) of targets a, b from positions (F, T, 3): +1 right, 0 coalesced, -1 swapped.
+
+    m = <e_a - e_b, g_a - g_b> / |g_a - g_b|²; NaN in frames without estimates of both.
     """
-    g = truths_m[:, RIGHT_HAND] - truths_m[:, LEFT_HAND]
-    e = estimates_m[:, RIGHT_HAND] - estimates_m[:, LEFT_HAND]
+    g = truths_m[:, a] - truths_m[:, b]
+    e = estimates_m[:, a] - estimates_m[:, b]
     with np.errstate(invalid="ignore", divide="ignore"):
         margin = np.sum(e * g, axis=1) / np.sum(g * g, axis=1)
     return np.asarray(margin)
@@ -130,6 +135,11 @@ def _event(kind: str, target: int, other: int, span: Span, times: Floats, fps: f
     )
 
 
+def hands_apart(truths_m: Floats) -> Bools:
+    """Frames (F,) of positions (F, T, 3) in which the hands are more than 0.10 m apart."""
+    return _apart(truths_m, RIGHT_HAND, LEFT_HAND)
+
+
 def _apart(truths: Floats, a: int, b: int) -> Bools:
     far: Bools = np.linalg.norm(truths[:, a] - truths[:, b], axis=1) > APART_M
     return far
@@ -137,7 +147,7 @@ def _apart(truths: Floats, a: int, b: int) -> Bools:
 
 def _swaps(truths: Floats, estimates: Floats, times: Floats, fps: float) -> list[Event]:
     margin = swap_margin(truths, estimates)
-    apart = _apart(truths, RIGHT_HAND, LEFT_HAND)
+    apart = hands_apart(truths)
     need = frames_of(SWAP_S, fps)
     spans = sustained(apart & (margin < 0), apart & (margin > 0), need, need, gap=need)
     return [_event("swap", RIGHT_HAND, LEFT_HAND, span, times, fps) for span in spans]

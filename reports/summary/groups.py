@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from pjpdaf.arrays import Floats
-from pjpdaf.targets import TARGETS
+from pjpdaf.targets import RIGHT_HAND, TARGETS
 from reports.run.load import SavedRun
 from reports.run.schema import CLEAR, HOTA, IDENTITY
 from reports.score.mot import (
@@ -33,6 +33,8 @@ class GroupRow:
     median_mm, p90_mm, err_acc_px (a median): a frame without an estimate counts as infinite;
     merged_*: of target-frames that are merged in a view; nees: mean, 3 is ideal; mota, idf1, hota:
     shares (1 is best); gospa_mm: mean of the frames; swapped, lost: episodes in which it happened;
+    exchange_*: frames with a stated probability that the hands are exchanged and hands apart, its
+    mean, and the share of them that is exchanged;
     redrawn: episodes whose first draw could not be posed, redraws: draws thrown away in all.
     NaN where there is nothing to measure.
     """
@@ -55,6 +57,9 @@ class GroupRow:
     idf1: float
     hota: float
     gospa_mm: float
+    exchange_frames: int
+    exchange_stated: float
+    exchange_observed: float
     swapped: int
     lost: int
     redrawn: int
@@ -112,6 +117,8 @@ def _row(
     once = episodes.drop_duplicates(["scenario", "seed"])
     nees = int(episodes["n_nees"].sum())
     counted = int(tracking["frames"].sum())
+    hand = episodes[episodes["target"] == TARGETS[RIGHT_HAND]]  # the left hand's are the same
+    judged = int(hand["exchange_frames"].sum())
     nan = float("nan")
     hota_counts = summed_hota(_counts(tracking, "hota", HOTA, HotaCounts))
     return GroupRow(
@@ -133,6 +140,9 @@ def _row(
         idf1=summed_identity(_counts(tracking, "identity", IDENTITY, IdentityCounts)).idf1,
         hota=hota_counts.hota if counted else nan,
         gospa_mm=float(tracking["sum_gospa_mm"].sum()) / counted if counted else nan,
+        exchange_frames=judged,
+        exchange_stated=_share(float(hand["sum_exchange_probability"].sum()), judged),
+        exchange_observed=_share(int(hand["exchanged_frames"].sum()), judged),
         swapped=_ever(episodes, "ever_swapped"),
         lost=_ever(episodes, "ever_lost"),
         redrawn=int((once["redrawn"] > 0).sum()),
@@ -152,7 +162,7 @@ def _values(frames: pd.DataFrame, column: str) -> Floats:
     return np.asarray(frames[column], dtype=np.float64)
 
 
-def _share(part: int, whole: int) -> float:
+def _share(part: float, whole: int) -> float:
     return part / whole if whole else float("nan")
 
 

@@ -21,10 +21,11 @@ SIMULATOR = (
     "pjpdaf/camera.py",
     "pjpdaf/errors.py",
     "pjpdaf/frames.py",
+    "pjpdaf/printable.py",
     "pjpdaf/targets.py",
 )
 # Below `SIMULATOR`, but above what draws: the import contract keeps them out of it.
-APART = ("sim/dataset",)
+APART = ("sim/dataset", "sim/silhouettes")
 BUT_ALSO = ("sim/dataset/files/cameras.py",)
 
 

@@ -12,8 +12,11 @@ from typing import Annotated
 import typer
 
 from pjpdaf.errors import BenchError
+from pjpdaf.unforeseen import report_unforeseen
 from scenarios.cli import cache, dataset, doctor, footage, gate, plugin, run, scenarios
 from scenarios.cli.streams import discard_output, surviving_readers
+
+DEBUG = "--debug"
 
 app = typer.Typer(
     name="pjpdaf-bench",
@@ -55,6 +58,10 @@ def _root(
         bool,
         typer.Option("--version", callback=_version, is_eager=True, help="Print the version."),
     ] = False,
+    debug: Annotated[
+        bool,
+        typer.Option("--debug", help="Show the traceback of an unforeseen fault. In any place."),
+    ] = False,
 ) -> None:
     pass
 
@@ -62,7 +69,13 @@ def _root(
 def main() -> None:
     """Run the command of `sys.argv`; always raises SystemExit with its exit code."""
     with surviving_readers():
-        _run_app()
+        debug = DEBUG in sys.argv[1:]
+        # In any place: it is added to the end of a command that has failed.
+        sys.argv = [word for word in sys.argv if word != DEBUG]
+        try:
+            _run_app()
+        except Exception as fault:
+            raise SystemExit(report_unforeseen(fault, debug)) from None
 
 
 def _run_app() -> None:

@@ -156,8 +156,8 @@ def score(
 ) -> None:
     """Score anyone's tracks on a data set, save them as a run with its report.
 
-    Columns: sequence, frame (from 0), target, x_m, y_m, z_m; status, sd_x_m, sd_y_m, sd_z_m if
-    known. Missing rows count as lost.
+    Columns: sequence, frame (from 0), target, x_m, y_m, z_m; status, sd_x_m, sd_y_m, sd_z_m,
+    exchange_probability if known. Missing rows count as lost.
     """
     from scenarios.tracks.score import ScoreRequest, score_tracks
 

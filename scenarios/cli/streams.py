@@ -9,12 +9,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, TextIO, cast
 
+from pjpdaf.printable import for_terminal
+
 
 class _SurvivingStream:
     """A text stream that discards its output once its reader has gone.
 
     Its reader: of a pipe, or a terminal that is closed. The work goes on to its end and keeps its
-    exit code.
+    exit code. Control characters, and characters that the stream's encoding lacks, are escaped.
     """
 
     def __init__(self, stream: TextIO) -> None:
@@ -25,8 +27,12 @@ class _SurvivingStream:
         return getattr(self._stream, name)
 
     def write(self, text: str) -> int:
+        text = for_terminal(text)
         try:
             return self._stream.write(text)
+        except UnicodeEncodeError:
+            encoding = self._stream.encoding
+            return self._stream.write(text.encode(encoding, "backslashreplace").decode(encoding))
         except OSError as fault:
             self._discard_or_raise(fault)
             return len(text)

@@ -10,11 +10,10 @@ from typing import Any
 from pjpdaf.camera import StereoRig
 from pjpdaf.detector.external import DetectionTable, ExternalDetector
 from pjpdaf.follow import FollowedFrame, follow
-from pjpdaf.interfaces import Detector, Tracker
+from pjpdaf.interfaces import Detections, Detector, Tracker
 from pjpdaf.plugins.checked import CheckedDetector, CheckedTracker
 from pjpdaf.plugins.registry import make_detector, make_tracker
 from pjpdaf.presets.registry import PRESETS
-from pjpdaf.tracker.filter import PJPDAF
 from reports.score.records import Episode, FrameOutcome
 from scenarios.play.blame import with_blame
 from scenarios.play.error_budget import with_error_budget
@@ -31,8 +30,7 @@ def make_system(
 ) -> tuple[Detector, Tracker[Any]]:
     """Detector (background not learnt yet) and tracker for these cameras.
 
-    detections: looked up instead of detected. The answers of a plug-in are checked, except those of
-    a PJPDAF, whose stages the oracle replaces.
+    detections: looked up instead of detected. The answers of a plug-in are checked.
     """
     detector: Detector
     if detections is not None:
@@ -43,7 +41,7 @@ def make_system(
             name = f"detector {system.detector!r}"
             detector = CheckedDetector(name, detector, len(rig.cameras))
     tracker = make_tracker(system.tracker, rig.cameras, system.tracker_settings)
-    if not isinstance(tracker, PJPDAF):
+    if system.tracker not in PRESETS:
         tracker = CheckedTracker(f"tracker {system.tracker!r}", tracker)
     return detector, tracker
 
@@ -71,9 +69,15 @@ def complete_episode(job: Job, footage: Footage) -> Episode:
     collector = PictureCollector(
         footage.rig.cameras, footage.frame_count, pictures=job.keep_pictures, film=job.keep_film
     )
-    episode = play_footage(job, footage, detector, tracker, collector.add)
-    episode = with_blame(episode, cameras, tracker)
-    episode = with_error_budget(episode, cameras, tracker)
+    seen: list[tuple[Detections, ...]] = []  # with the looks, which the episode does not keep
+
+    def keep(step: FollowedFrame, truth: Truth) -> None:
+        seen.append(tuple(replace(view, mask=None) for view in step.detections))
+        collector.add(step, truth)
+
+    episode = play_footage(job, footage, detector, tracker, keep)
+    episode = with_blame(episode, cameras, tracker, seen)
+    episode = with_error_budget(episode, cameras, tracker, seen)
     return with_origin(collector.added_to(episode), footage)
 
 

@@ -158,9 +158,9 @@ def _check_reproducible(
 
 def same_episode(run: SavedRun, row: EpisodeRows) -> bool:
     """Whether an episode, played again, gives the counts and sums that the run has of it."""
-    now = measured(tables_of([row])["episodes"].to_pandas())
+    now = measured(tables_of([row])["episodes"].to_pandas(), run.version)
     mine = (run.episodes["scenario"] == row.scenario) & (run.episodes["seed"] == row.seed)
-    return bool(now.equals(measured(run.episodes[mine]).reset_index(drop=True)))
+    return bool(now.equals(measured(run.episodes[mine], run.version).reset_index(drop=True)))
 
 
 def reserve_jobs(jobs: Sequence[Job], number: int) -> list[Job]:

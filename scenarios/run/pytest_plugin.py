@@ -1,6 +1,7 @@
-"""pytest plug-in: play scenarios in a test, and hold their results against a baseline.
+"""What the fixtures of the pytest plug-in (`pjpdaf.pytest_plugin`) do: play, and compare.
 
-Nothing but pytest is imported until a fixture is used.
+Their process is somebody's pytest, where `sim`, `reports` and `scenarios` may be packages of the
+tests: every function that imports runs inside `own_packages`.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import pytest
 
+from pjpdaf.entry import own_packages
 from pjpdaf.presets.names import DEFAULT_PRESET
 
 if TYPE_CHECKING:
@@ -36,9 +38,10 @@ class BenchRun:
     @cached_property
     def summary(self) -> Summary:
         """The figures per scenario and target (`reports.summary.tables`)."""
-        from reports.summary.tables import summarise
+        with own_packages():
+            from reports.summary.tables import summarise
 
-        return summarise(self.saved)
+            return summarise(self.saved)
 
     @property
     def overall(self) -> SummaryRow:
@@ -88,27 +91,8 @@ class PlayRun(Protocol):
 Check = Callable[..., "Verdict"]
 
 
-def pytest_addoption(parser: pytest.Parser) -> None:
-    """Options of the plug-in."""
-    group = parser.getgroup("pjpdaf-bench")
-    group.addoption(
-        "--pjpdaf-baseline",
-        metavar="DIR",
-        help="Folder of the slim runs that assert_no_regression compares with.",
-    )
-    group.addoption(
-        "--pjpdaf-update-baseline",
-        action="store_true",
-        help="Write them instead: what is played now becomes the baseline.",
-    )
-    group.addoption(
-        "--pjpdaf-jobs", type=int, metavar="N", help="Worker processes of a run [all cores]."
-    )
-
-
-@pytest.fixture
-def pjpdaf_run(request: pytest.FixtureRequest, tmp_path: Path) -> PlayRun:
-    """Plays scenarios: `pjpdaf_run("cross", tracker="mine:make", seeds=3)` gives a `BenchRun`."""
+def player(request: pytest.FixtureRequest, tmp_path: Path) -> PlayRun:
+    """The value of the fixture `pjpdaf_run`: a function that plays scenarios for a test."""
     stem = re.sub(r"[^A-Za-z0-9_.-]+", "_", request.node.name).strip("_.")[:80]
     played: list[BenchRun] = []
 
@@ -118,6 +102,18 @@ def pjpdaf_run(request: pytest.FixtureRequest, tmp_path: Path) -> PlayRun:
         detector: str = DEFAULT_PRESET,
         seeds: int | None = None,
         settings: Mapping[str, object] | None = None,
+    ) -> BenchRun:
+        with own_packages():
+            run = one_run(targets, tracker, detector, seeds, settings or {})
+        played.append(run)
+        return run
+
+    def one_run(
+        targets: tuple[str, ...],
+        tracker: str,
+        detector: str,
+        seeds: int | None,
+        settings: Mapping[str, object],
     ) -> BenchRun:
         from pjpdaf.errors import BenchError
         from scenarios.play.plan import PlanRequest
@@ -129,16 +125,14 @@ def pjpdaf_run(request: pytest.FixtureRequest, tmp_path: Path) -> PlayRun:
             seeds=seeds,
             detector=detector,
             tracker=tracker,
-            settings=tuple(f"{key}={value}" for key, value in (settings or {}).items()),
+            settings=tuple(f"{key}={value}" for key, value in settings.items()),
             keep_pictures=True,
         )
         jobs = request.config.getoption("--pjpdaf-jobs")
         try:
-            run = BenchRun(name, _play_and_save(wanted, jobs, tmp_path / "pjpdaf" / name))
+            return BenchRun(name, _play_and_save(wanted, jobs, tmp_path / "pjpdaf" / name))
         except BenchError as fault:
             pytest.fail(str(fault), pytrace=False)
-        played.append(run)
-        return run
 
     return play
 
@@ -162,17 +156,16 @@ def _play_and_save(request: PlanRequest, jobs: int | None, folder: Path) -> Save
     return save_run(request, planned, played, folder)
 
 
-@pytest.fixture
-def assert_no_regression(request: pytest.FixtureRequest) -> Check:
-    """`assert_no_regression(run)` fails the test unless the gate passes the run.
-
-    Its base is DIR/NAME of --pjpdaf-baseline DIR, NAME being the test's;
-    --pjpdaf-update-baseline writes it. margins: metric -> margin, as of `compare`.
-    """
+def checker(request: pytest.FixtureRequest) -> Check:
+    """The value of the fixture `assert_no_regression`: a function that fails a worse run."""
     folder = request.config.getoption("--pjpdaf-baseline")
     update = bool(request.config.getoption("--pjpdaf-update-baseline"))
 
     def check(run: BenchRun, margins: Mapping[str, float] | None = None) -> Verdict:
+        with own_packages():
+            return verdict_on(run, margins)
+
+    def verdict_on(run: BenchRun, margins: Mapping[str, float] | None) -> Verdict:
         from pjpdaf.errors import BenchError
         from reports.gate.gate import compare
         from reports.gate.markdown import markdown

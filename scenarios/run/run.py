@@ -14,6 +14,8 @@ from pjpdaf.presets.names import DEFAULT_PRESET
 from reports.page.page import write_page
 from reports.run.rows import EpisodeRows
 from reports.run.save import check_free
+from reports.summary.budget import budget_of
+from reports.summary.causes import blame_lines, budget_line
 from reports.summary.tables import rich_table, summarise
 from reports.summary.text import count
 from scenarios.cache.report import origin_line
@@ -98,6 +100,10 @@ def _play_and_save(
     )
     out = Console()
     out.print(rich_table(summarise(saved)))
+    for line in blame_lines(saved.events):
+        out.print(f"to blame for {line}", highlight=False)
+    if (budget := budget_of(saved)) is not None:
+        out.print(budget_line(budget), highlight=False)
     frames = sum(row.frame_count for row in played.rows)
     out.print(
         f"{count(len(played.rows), 'episode')}, {count(frames, 'stereo frame')} in {wall_s:.0f} s "

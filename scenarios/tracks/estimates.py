@@ -33,8 +33,10 @@ def estimates_of(tracks: Tracks, camera: Camera, frame: str) -> list[Estimates]:
         covariances = R @ covariances @ R.T
     unknown = np.full((len(TARGETS), 3), np.nan)
     return [
-        Estimates(position, covariance, unknown, status)
-        for position, covariance, status in zip(positions, covariances, tracks.status, strict=True)
+        Estimates(position, covariance, unknown, status, float(exchange))
+        for position, covariance, status, exchange in zip(
+            positions, covariances, tracks.status, tracks.exchange_probability, strict=True
+        )
     ]
 
 

@@ -12,13 +12,14 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from pjpdaf.errors import BenchError
 from pjpdaf.interfaces import STATUSES
-from pjpdaf.targets import TARGETS
+from pjpdaf.targets import HANDS, TARGETS
 from scenarios.tables.cells import read_frame, read_number
 from scenarios.tables.rows import Columns
 
 POSITION = ("x_m", "y_m", "z_m")
 DEVIATION = ("sd_x_m", "sd_y_m", "sd_z_m")
-COLUMNS = Columns(("frame", "target", *POSITION), ("status", *DEVIATION))
+EXCHANGE = "exchange_probability"
+COLUMNS = Columns(("frame", "target", *POSITION), ("status", *DEVIATION, EXCHANGE))
 TRACKED, LOST = "tracked", "lost"
 
 
@@ -28,13 +29,14 @@ class Tracks:
 
     path: the file; positions_m (F, T, 3), in the frame of the file, NaN where there is no
     estimate; sd_m (F, T, 3) standard deviations, NaN where not given; status (F, T) of
-    `STATUSES`.
+    `STATUSES`; exchange_probability (F,), NaN where not given.
     """
 
     path: Path
     positions_m: Floats
     sd_m: Floats
     status: tuple[tuple[str, ...], ...]
+    exchange_probability: Floats
 
 
 class TracksBuilder:
@@ -45,6 +47,7 @@ class TracksBuilder:
         self._positions = np.full((frames, len(TARGETS), 3), np.nan)
         self._sd = np.full((frames, len(TARGETS), 3), np.nan)
         self._status = [[LOST] * len(TARGETS) for _ in range(frames)]
+        self._exchange = np.full(frames, np.nan)
         self._seen: set[tuple[int, int]] = set()
 
     @property
@@ -75,15 +78,30 @@ class TracksBuilder:
             raise BenchError(f"{where}: {target} is {status} but has no {', '.join(POSITION)}")
         if deviation is not None and min(deviation) < 0:
             raise BenchError(f"{where}: {', '.join(DEVIATION)} must be 0 or more")
+        exchange = read_number(where, EXCHANGE, row.get(EXCHANGE))
+        if exchange is not None:
+            self._add_exchange(where, frame, t, exchange)
         self._status[frame][t] = str(status)
         if position is not None:
             self._positions[frame, t] = position
             if deviation is not None:
                 self._sd[frame, t] = deviation
 
+    def _add_exchange(self, where: str, frame: int, t: int, exchange: float) -> None:
+        if t not in HANDS:
+            raise BenchError(f"{where}: {EXCHANGE} goes into the hands' rows, not the head's")
+        if not 0.0 <= exchange <= 1.0:
+            raise BenchError(f"{where}: {EXCHANGE} must be from 0 to 1, got {exchange:g}")
+        if np.isfinite(self._exchange[frame]) and self._exchange[frame] != exchange:
+            raise BenchError(
+                f"{where}: {EXCHANGE} is {exchange:g}, of the other hand it is another"
+            )
+        self._exchange[frame] = exchange
+
     def tracks(self) -> Tracks:
         """The collected tracks."""
-        return Tracks(self._path, self._positions, self._sd, tuple(map(tuple, self._status)))
+        status = tuple(map(tuple, self._status))
+        return Tracks(self._path, self._positions, self._sd, status, self._exchange)
 
 
 def _three_numbers(where: str, row: Mapping[str, Any], names: Sequence[str]) -> list[float] | None:

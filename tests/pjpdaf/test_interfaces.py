@@ -90,6 +90,15 @@ def test_a_detector_that_gives_evidence_conforms():
     )
 
 
+@pytest.mark.parametrize("stated", [-0.01, 1.01, np.inf, "0.5", None])
+def test_an_exchange_probability_is_from_0_to_1_or_nan(stated):
+    assert np.isnan(Estimates.waiting().exchange_probability)
+    row = np.zeros((3, 3)), np.zeros((3, 3, 3)), np.zeros((3, 3)), ("tracked",) * 3
+    assert Estimates(*row, np.float32(0.25)).exchange_probability == 0.25
+    with pytest.raises(ValueError, match="exchange_probability must be from 0 to 1, or NaN"):
+        Estimates(*row, stated)
+
+
 def test_estimates_are_checked_at_the_door():
     assert Estimates.waiting().status == ("waiting",) * 3
     assert np.isnan(Estimates.waiting().positions_m).all()

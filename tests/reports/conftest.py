@@ -85,8 +85,12 @@ def make_episode(
     cameras: tuple[Camera, Camera] | None = None,
     pictures: tuple[OverlayPicture, ...] = (),
     stage_s: dict[str, float] | None = None,
+    exchange: np.ndarray | None = None,
 ) -> Episode:
-    """An episode with the given truth and estimates (F, 3, 3) [m]; NaN: waiting."""
+    """An episode with the given truth and estimates (F, 3, 3) [m]; NaN: waiting.
+
+    exchange (F,): stated probability that the hands are exchanged.
+    """
     rig = cameras or make_cameras()
     centres = make_paths(frames, fps) if centres_m is None else centres_m
     estimates = centres if estimates_m is None else estimates_m
@@ -94,7 +98,9 @@ def make_episode(
     for f, (truth_m, said_m) in enumerate(zip(centres, estimates, strict=True)):
         pairs = merged(f) if merged else (NEVER_MERGED, NEVER_MERGED)
         status = tuple("tracked" if np.isfinite(p).all() else "waiting" for p in said_m)
-        said = Estimates(said_m, np.tile(np.eye(3) * 1e-4, (3, 1, 1)), np.zeros((3, 3)), status)
+        stated = np.nan if exchange is None else float(exchange[f])
+        P = np.tile(np.eye(3) * 1e-4, (3, 1, 1))
+        said = Estimates(said_m, P, np.zeros((3, 3)), status, stated)
         truth = make_truth(f, f / fps, truth_m, rig, pairs, labels(f) if labels else ())
         seen = tuple(seen_in(view.centroids_px) for view in truth.views)
         outcomes.append(

@@ -1,4 +1,5 @@
 import os
+import re
 import subprocess
 import sys
 import threading
@@ -128,3 +129,19 @@ def test_a_context_belongs_to_its_thread():
     thread.join()
     assert others[0] is not here
     gl.context()
+
+
+@pytest.mark.parametrize(
+    ("environment", "words"),
+    [
+        ({"PYOPENGL_PLATFORM": "glx"}, "PYOPENGL_PLATFORM=glx contradicts MUJOCO_GL=egl; unset PY"),
+        ({gl.DEVICE: "77"}, f"{gl.DEVICE}=77: no OpenGL context .* got 77.*; unset {gl.DEVICE} to"),
+        ({gl.DEVICE: "gpu"}, f"{gl.DEVICE}=gpu: .*must be the number of a device, 0 or more"),
+    ],
+)
+def test_a_wrong_setting_is_named_and_no_package_is_asked_for(environment, words):
+    _, errors = run("from sim import gl; gl.context()", MUJOCO_GL="egl", **environment)
+    line = errors.splitlines()[-1]
+    assert line.startswith("pjpdaf.errors.InfrastructureError: ")
+    assert re.search(words, line)
+    assert "apt-get" not in line

@@ -61,24 +61,24 @@ def candidates(
     metre_px: pixels of a metre where hands are. bare: the person's forearms are bare, so that the
     hand is an end of a long blob. head: None before the start, when each blob counts as it is too.
     """
-    found: list[Candidate] = []
+    chosen: list[Candidate] = []
     blob: list[int] = []
     for i in range(len(view)):
         if head is not None and i == head.blob:
             here = [] if head.free else list(_beside(view, head, metre_px, p))
         else:
             here = list(_of_blob(view, i, metre_px, bare, head is None, p))
-        found += here
+        chosen += here
         blob += [i] * len(here)
-    part = np.array([c.part for c in found], np.intp)
+    part = np.array([c.part for c in chosen], np.intp)
     blobs = np.array(blob, np.intp)
-    palm = np.zeros((len(found), 2))
+    palm = np.zeros((len(chosen), 2))
     whole = part == WHOLE
     away = np.clip(view.looks.palms[blobs[whole]], -LONGEST_FINGERS, LONGEST_FINGERS)
     palm[whole] = -p.palm * away * np.sqrt(view.areas_px[blobs[whole]])[:, None]
     return Candidates(
-        np.array([c.centre_px for c in found]).reshape(-1, 2),
-        np.array([c.area_px for c in found], np.float64),
+        np.array([c.centre_px for c in chosen]).reshape(-1, 2),
+        np.array([c.area_px for c in chosen], np.float64),
         blobs,
         part,
         palm,

@@ -27,59 +27,59 @@ LONGEST_FINGERS = 0.3
 FORWARD_MOST = 4.0
 
 
-def area_cost(found: Pairs, hand_area_m2: float, c: CostParameters) -> Floats:
+def area_cost(pairs: Pairs, hand_area_m2: float, c: CostParameters) -> Floats:
     """Cost (n,) of areas beside that of a whole hand; an end of a bare arm has a fixed cost."""
-    z = np.log(np.maximum(found.areas_m2, 1e-6) / hand_area_m2)
+    z = np.log(np.maximum(pairs.areas_m2, 1e-6) / hand_area_m2)
     z = z / np.where(z > 0, c.log_area_up_sd, c.log_area_sd)
     cost = np.minimum(0.5 * z * z, AREA_COST_MOST)
-    cost = np.where((found.part >= END).any(axis=1), c.end, cost)
-    half = ((found.part == HALF) | (found.part == OTHER_HALF)).any(axis=1)
+    cost = np.where((pairs.part >= END).any(axis=1), c.end, cost)
+    half = ((pairs.part == HALF) | (pairs.part == OTHER_HALF)).any(axis=1)
     return np.asarray(cost + np.where(half, 0.5 * c.split, 0.0))
 
 
-def piece_cost(found: Pairs, head_m: Floats, axes: Floats, c: CostParameters) -> Floats:
+def piece_cost(pairs: Pairs, head_m: Floats, axes: Floats, c: CostParameters) -> Floats:
     """Cost (n,) of what is a piece of face or neck that a beard, glasses or a collar cut off.
 
     The neck is behind the face, a hand before it.
     """
-    off = (found.points_m - head_m) @ axes.T
+    off = (pairs.points_m - head_m) @ axes.T
     beside, down, away = np.abs(off[:, 0]), off[:, 1], off[:, 2]
     neck = (beside < 0.06) & (down > 0.03) & (down < 0.24) & (away > -0.03)
-    neck &= found.areas_m2 < 0.75 * c.hand_area_m2
-    whole = (found.part == WHOLE).any(axis=1)
+    neck &= pairs.areas_m2 < 0.75 * c.hand_area_m2
+    whole = (pairs.part == WHOLE).any(axis=1)
     face = (beside < np.where(whole, 0.08, 0.05)) & (down > -0.16) & (down < 0.22)
-    face &= (np.abs(away) < 0.25) & (found.areas_m2 < 0.45 * c.hand_area_m2)
+    face &= (np.abs(away) < 0.25) & (pairs.areas_m2 < 0.45 * c.hand_area_m2)
     return np.where(neck | face, c.piece, 0.0)
 
 
-def end_cost(found: Pairs, axes: Floats, c: CostParameters) -> Floats:
+def end_cost(pairs: Pairs, axes: Floats, c: CostParameters) -> Floats:
     """Cost (n,) of taking an end of a bare arm for the hand while the other end is nearer.
 
     The other end is the elbow, which a hand at work is before.
     """
-    cost = np.zeros(len(found))
-    for i in np.flatnonzero((found.part >= END).all(axis=1)):
-        mate = (found.blob == found.blob[i]).all(axis=1)
-        mate &= (found.part == 2 * END + 1 - found.part[i]).all(axis=1)
+    cost = np.zeros(len(pairs))
+    for i in np.flatnonzero((pairs.part >= END).all(axis=1)):
+        mate = (pairs.blob == pairs.blob[i]).all(axis=1)
+        mate &= (pairs.part == 2 * END + 1 - pairs.part[i]).all(axis=1)
         if mate.any():
-            nearer = float((found.points_m[i] - found.points_m[int(mate.argmax())]) @ axes[2])
+            nearer = float((pairs.points_m[i] - pairs.points_m[int(mate.argmax())]) @ axes[2])
             cost[i] = min(max(nearer, 0.0) / c.forward_m, FORWARD_MOST)
     return cost
 
 
 def joint_cost(
-    found: Pairs,
+    pairs: Pairs,
     places: tuple[HeadPlace | None, ...],
     hand_area_m2: float,
     c: CostParameters,
 ) -> Floats:
     """Cost (n + 2, n + 2) of right and left choices together; n: at the face, n + 1: unseen."""
-    n = len(found)
+    n = len(pairs)
     joint = np.zeros((n + 2, n + 2))
     if n == 0:
         return joint
     for view in range(2):
-        b, part = found.blob[:, view], found.part[:, view]
+        b, part = pairs.blob[:, view], pairs.part[:, view]
         same = (b[:, None] == b[None, :]) & (b >= 0)[:, None] & (b >= 0)[None, :]
         same_part = same & (part[:, None] == part[None, :])
         whole = (part == WHOLE)[:, None] | (part == WHOLE)[None, :]
@@ -93,51 +93,51 @@ def joint_cost(
         pair += 0.5 * c.lone_half * (lone.astype(float) + lone.T.astype(float))
         joint[:n, n:] += 0.5 * c.lone_half * half[:, None]
         joint[n:, :n] += 0.5 * c.lone_half * half[None, :]
-    plain = (found.part == WHOLE).all(axis=1)
-    plain &= area_cost(found, hand_area_m2, c) < HANDLIKE_COST[0]
-    plain &= found.cost < HANDLIKE_COST[1]
+    plain = (pairs.part == WHOLE).all(axis=1)
+    plain &= area_cost(pairs, hand_area_m2, c) < HANDLIKE_COST[0]
+    plain &= pairs.cost < HANDLIKE_COST[1]
     heads = [place.blob if place is not None else -1 for place in places]
-    for left, right in {(int(a), int(b)) for a, b in found.blob[plain]}:
+    for left, right in {(int(a), int(b)) for a, b in pairs.blob[plain]}:
         if left != heads[0] and right != heads[1]:
-            joint += c.unexplained * _unused(found, left, right, face=False)
-    beside = (found.part == BESIDE).all(axis=1)
-    for left, right in {(int(a), int(b)) for a, b in found.blob[beside]}:
-        joint += 0.5 * c.unexplained * _unused(found, left, right, face=True)
+            joint += c.unexplained * _unused(pairs, left, right, face=False)
+    beside = (pairs.part == BESIDE).all(axis=1)
+    for left, right in {(int(a), int(b)) for a, b in pairs.blob[beside]}:
+        joint += 0.5 * c.unexplained * _unused(pairs, left, right, face=True)
     return joint
 
 
-def _unused(found: Pairs, left: int, right: int, face: bool) -> Floats:
+def _unused(pairs: Pairs, left: int, right: int, face: bool) -> Floats:
     """1 where neither choice uses these blobs, (n + 2, n + 2); face: 'at the face' uses them."""
-    used = (found.blob[:, 0] == left) | (found.blob[:, 1] == right)
+    used = (pairs.blob[:, 0] == left) | (pairs.blob[:, 1] == right)
     uses = np.concatenate([used, [face, False]])
     return np.asarray(~(uses[:, None] | uses[None, :]), dtype=np.float64)
 
 
 def side_evidence(
-    found: Pairs, seen: tuple[Blobs, ...], head_m: Floats, views: Views, p: HypothesisParameters
+    pairs: Pairs, seen: tuple[Blobs, ...], head_m: Floats, views: Views, p: HypothesisParameters
 ) -> Floats:
     """Log-odds (n,) that the hand at each pair is the right one: its sleeve, and the detector's."""
     s = p.sleeve
-    odds = np.zeros(len(found))
-    if len(found) == 0:
+    odds = np.zeros(len(pairs))
+    if len(pairs) == 0:
         return odds
     shapes: tuple[Silhouette | None, ...] = tuple(view.looks.silhouette for view in seen)
     if s.sleeve_weight > 0 and any(shape is not None for shape in shapes):
         body = Body.under(head_m, views.axes, s)
-        fingers = np.zeros((2, len(found), 2))
+        fingers = np.zeros((2, len(pairs), 2))
         for v, view in enumerate(seen):
-            whole = np.flatnonzero(found.part[:, v] == WHOLE)
-            looks, blob = view.looks, found.blob[whole, v]
+            whole = np.flatnonzero(pairs.part[:, v] == WHOLE)
+            looks, blob = view.looks, pairs.blob[whole, v]
             wrist = looks.palms[blob] - looks.fingers[blob]
             fingers[v, whole] = looks.fingers[blob] - s.wrist_share * wrist
         fingers = np.clip(fingers, -LONGEST_FINGERS, LONGEST_FINGERS)
         scores = arm_scores(
-            found.points_m, arm_values(shapes, views, body, s), shapes, views, body, s, fingers
+            pairs.points_m, arm_values(shapes, views, body, s), shapes, views, body, s, fingers
         )
         odds = s.sleeve_weight * (scores[:, 0] - scores[:, 1])
     for v, view in enumerate(seen):
         if view.evidence is not None and view.evidence.shape[1] > LEFT_HAND:
-            whole = np.flatnonzero(found.part[:, v] == WHOLE)
-            likelihoods = np.maximum(view.evidence[found.blob[whole, v]], -2.0 * s.sleeve_clip)
+            whole = np.flatnonzero(pairs.part[:, v] == WHOLE)
+            likelihoods = np.maximum(view.evidence[pairs.blob[whole, v]], -2.0 * s.sleeve_clip)
             odds[whole] += 0.5 * (likelihoods[:, RIGHT_HAND] - likelihoods[:, LEFT_HAND])
     return np.clip(odds, -s.sleeve_clip, s.sleeve_clip)

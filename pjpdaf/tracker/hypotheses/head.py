@@ -55,10 +55,19 @@ class HeadTrack:
 
 
 def follow_head(
-    track: HeadTrack, seen: tuple[Blobs, ...], views: Views, dt_s: float, p: HypothesisParameters
+    track: HeadTrack,
+    seen: tuple[Blobs, ...],
+    views: Views,
+    dt_s: float,
+    p: HypothesisParameters,
+    known_m: Floats | None = None,
 ) -> tuple[HeadTrack, tuple[HeadPlace | None, ...]]:
-    """The head one frame later, and its place in each view, None where it is not seen."""
-    places = head_places(track, seen, views)
+    """The head one frame later, and its place in each view, None where it is not seen.
+
+    known_m (3,): where it is looked for in place of the prediction.
+    """
+    looked_for = track if known_m is None else replace(track, mean=known_m)
+    places = head_places(looked_for, seen, views)
     sighting = _sighting(track, places, views, p)
     m = p.motion
     if sighting is None:
@@ -91,13 +100,13 @@ def head_places(
 ) -> tuple[HeadPlace | None, ...]:
     """Places of the head, judged at the prediction."""
     pixels, depth = views.project(track.mean)
-    found: list[HeadPlace | None] = []
+    places: list[HeadPlace | None] = []
     for view, blobs in enumerate(seen):
         metre_px = views.focal_px[view] / depth[view]
         shape, area = track.shape_m2 * metre_px**2, track.area_m2 * metre_px**2
         reach_px = float(FARTHEST_M * (1.0 + track.unseen_s) * metre_px)
-        found.append(_place(blobs, pixels[view], shape, float(area), reach_px))
-    return tuple(found)
+        places.append(_place(blobs, pixels[view], shape, float(area), reach_px))
+    return tuple(places)
 
 
 def _place(
@@ -185,7 +194,7 @@ def head_size(
 def crown_of(mean: Floats, seen: tuple[Blobs, ...], views: Views) -> float | None:
     """Height [m] of the silhouette's top above the head's centre; None where no view shows it."""
     pixels, depth = views.project(mean)
-    found = []
+    heights_m = []
     for view, blobs in enumerate(seen):
         shape = blobs.looks.silhouette
         if shape is None:
@@ -198,6 +207,6 @@ def crown_of(mean: Floats, seen: tuple[Blobs, ...], views: Views) -> float | Non
         if above.all(axis=0).any() or not above[0].any():
             continue  # it reaches the edge of the picture
         height_px = (float(np.median(above.argmin(axis=0))) - 0.5) * step
-        found.append(height_px * depth[view] / views.focal_px[view])
-    crown = float(np.mean(found)) if found else 0.0
+        heights_m.append(height_px * depth[view] / views.focal_px[view])
+    crown = float(np.mean(heights_m)) if heights_m else 0.0
     return crown if CROWNS_M[0] < crown < CROWNS_M[1] else None

@@ -13,7 +13,7 @@ from pjpdaf.tracker.hypotheses.candidates import WHOLE, HeadPlace, candidates
 from pjpdaf.tracker.hypotheses.costs import area_cost
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.head import CROWN_M, HeadTrack, crown_of, head_size
-from pjpdaf.tracker.hypotheses.pairs import Pairs, pairs
+from pjpdaf.tracker.hypotheses.pairs import Pairs, pair_candidates
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 from pjpdaf.tracker.hypotheses.sleeve import Body, arm_scores, arm_values
 
@@ -51,12 +51,12 @@ def open_tracks(seen: tuple[Blobs, ...], views: Views, p: HypothesisParameters) 
         candidates(view, None, float(metre_px[v]), longest > plain.bare_length_m, plain)
         for v, view in enumerate(seen)
     )
-    found = pairs(views, (one, two), np.zeros((0, 3)), p.noise, p.costs)
-    head = _head(found, views)
+    pairs = pair_candidates(views, (one, two), np.zeros((0, 3)), p.noise, p.costs)
+    head = _head(pairs, views)
     if head is None:
         return None
-    track = _track(found, head, seen, views)
-    hands = _hands(found, head, seen, views, p)
+    track = _track(pairs, head, seen, views)
+    hands = _hands(pairs, head, seen, views, p)
     return Opening(track, hands, longest) if hands else None
 
 
@@ -70,24 +70,24 @@ def _longest(seen: tuple[Blobs, ...], metre_px: Floats) -> float:
     return max(lengths, default=0.0)
 
 
-def _head(found: Pairs, views: Views) -> int | None:
+def _head(pairs: Pairs, views: Views) -> int | None:
     """The pair of a head's size that is high up, with two others below it."""
-    up = -(found.points_m @ views.axes[1])
+    up = -(pairs.points_m @ views.axes[1])
     best: tuple[float, int] | None = None
-    for i in np.flatnonzero((found.part == WHOLE).all(axis=1)):
-        z = np.log(found.areas_m2[i] / HEAD_AREA_M2) / HEAD_LOG_SD
+    for i in np.flatnonzero((pairs.part == WHOLE).all(axis=1)):
+        z = np.log(pairs.areas_m2[i] / HEAD_AREA_M2) / HEAD_LOG_SD
         if abs(z) > 3.0 or (up < up[i] - BELOW_M[1]).sum() < 2:
             continue
-        cost = float(0.5 * z * z + found.cost[i] - HEIGHT_PRIOR * up[i])
+        cost = float(0.5 * z * z + pairs.cost[i] - HEIGHT_PRIOR * up[i])
         if best is None or cost < best[0]:
             best = cost, int(i)
     return None if best is None else best[1]
 
 
-def _track(found: Pairs, head: int, seen: tuple[Blobs, ...], views: Views) -> HeadTrack:
+def _track(pairs: Pairs, head: int, seen: tuple[Blobs, ...], views: Views) -> HeadTrack:
     one, two = (
         HeadPlace(int(b), True, view.centres_px[b], np.eye(2))
-        for b, view in zip(found.blob[head], seen, strict=True)
+        for b, view in zip(pairs.blob[head], seen, strict=True)
     )
     # Without the palm's offset, which is a hand's.
     mean = views.triangulate(one.centre_px[None], two.centre_px[None])[0][0]
@@ -97,31 +97,31 @@ def _track(found: Pairs, head: int, seen: tuple[Blobs, ...], views: Views) -> He
 
 
 def _hands(
-    found: Pairs, head: int, seen: tuple[Blobs, ...], views: Views, p: HypothesisParameters
+    pairs: Pairs, head: int, seen: tuple[Blobs, ...], views: Views, p: HypothesisParameters
 ) -> tuple[tuple[Floats, float], ...]:
-    off = (found.points_m - found.points_m[head]) @ views.axes.T
+    off = (pairs.points_m - pairs.points_m[head]) @ views.axes.T
     good = (
         (off[:, 1] > BELOW_M[0])
         & (off[:, 2] < BEHIND_M)
         & (np.linalg.norm(off, axis=1) < REACH_M)
-        & (found.blob != found.blob[head]).all(axis=1)
+        & (pairs.blob != pairs.blob[head]).all(axis=1)
     )
-    body = Body.under(found.points_m[head], views.axes, p.sleeve)
+    body = Body.under(pairs.points_m[head], views.axes, p.sleeve)
     shapes = tuple(view.looks.silhouette for view in seen)
     values = arm_values(shapes, views, body, p.sleeve)
-    scores = arm_scores(found.points_m, values, shapes, views, body, p.sleeve)
-    own = found.cost + area_cost(found, p.costs.hand_area_m2, p.costs)
+    scores = arm_scores(pairs.points_m, values, shapes, views, body, p.sleeve)
+    own = pairs.cost + area_cost(pairs, p.costs.hand_area_m2, p.costs)
     hands: list[tuple[Floats, float]] = []
     for pair in combinations(np.flatnonzero(good).tolist(), 2):
-        if (found.blob[pair[0]] == found.blob[pair[1]]).any():
+        if (pairs.blob[pair[0]] == pairs.blob[pair[1]]).any():
             continue
-        if np.linalg.norm(found.points_m[pair[0]] - found.points_m[pair[1]]) < APART_M:
+        if np.linalg.norm(pairs.points_m[pair[0]] - pairs.points_m[pair[1]]) < APART_M:
             continue
         for right, left in permutations(pair):
             cost = float(own[right] + own[left])
             cost -= p.sleeve.sleeve_weight * float(scores[right, 0] + scores[left, 1])
             cost += WRONG_SIDE if off[left, 0] < off[right, 0] else 0.0
-            hands.append((found.points_m[[right, left]], cost))
+            hands.append((pairs.points_m[[right, left]], cost))
     hands.sort(key=lambda hand: hand[1])
     least = hands[0][1] if hands else 0.0
     near = [(points, cost - least) for points, cost in hands if cost < least + LARGEST_COST]

@@ -50,9 +50,9 @@ class Pairs:
         )
 
 
-def pairs(
+def pair_candidates(
     views: Views,
-    found: tuple[Candidates, Candidates],
+    candidates: tuple[Candidates, Candidates],
     expected_m: Floats,
     noise: NoiseParameters,
     costs: CostParameters,
@@ -61,19 +61,19 @@ def pairs(
 
     expected_m (h, 3): where hands are expected, which gives a single sighting its depth.
     """
-    double = _stereo(views, found, expected_m, noise, costs)
-    singles = [_single(views, v, found[v], double, expected_m, noise, costs) for v in range(2)]
+    double = _stereo(views, candidates, expected_m, noise, costs)
+    singles = [_single(views, v, candidates[v], double, expected_m, noise, costs) for v in range(2)]
     return _joined([double, *singles])
 
 
 def _stereo(
     views: Views,
-    found: tuple[Candidates, Candidates],
+    candidates: tuple[Candidates, Candidates],
     expected_m: Floats,
     noise: NoiseParameters,
     costs: CostParameters,
 ) -> Pairs:
-    left, right = found
+    left, right = candidates
     i, j = (a.ravel() for a in np.indices((len(left.blob), len(right.blob))))
     points, residual = views.triangulate(left.centres_px[i], right.centres_px[j])
     _, depth = views.project(points)
@@ -143,21 +143,21 @@ def _coherent(
 def _single(
     views: Views,
     view: int,
-    found: Candidates,
+    candidates: Candidates,
     double: Pairs,
     expected_m: Floats,
     noise: NoiseParameters,
     costs: CostParameters,
 ) -> Pairs:
     """Candidates of a view that pair with nothing, at the depth of the nearest expected hand."""
-    partnered = np.isin(found.blob, double.blob[:, view])
-    at = np.flatnonzero(~partnered & ((found.part == WHOLE) | (found.part == BESIDE)))
+    partnered = np.isin(candidates.blob, double.blob[:, view])
+    at = np.flatnonzero(~partnered & ((candidates.part == WHOLE) | (candidates.part == BESIDE)))
     if not len(at) or not len(expected_m):
         return double[np.zeros(0, np.intp)]
     pixels, depth = views.project(expected_m)
-    distance = np.linalg.norm(found.centres_px[at][:, None] - pixels[view][None], axis=2)
+    distance = np.linalg.norm(candidates.centres_px[at][:, None] - pixels[view][None], axis=2)
     depth_m = depth[view][distance.argmin(axis=1)]
-    rays = views.rays(view, found.centres_px[at])
+    rays = views.rays(view, candidates.centres_px[at])
     points = views.centres_m[view] + depth_m[:, None] * rays
     H = views.jacobians(points)[:, view]
     sd_px = 2.0 * noise.whole_px[0] * views.scale
@@ -166,10 +166,10 @@ def _single(
     information = H.swapaxes(1, 2) @ H / sd_px**2 + along
     size = (depth_m / views.focal_px[view]) ** 2
     blob, part = np.full((len(at), 2), -1), np.full((len(at), 2), -1)
-    blob[:, view], part[:, view] = found.blob[at], found.part[at]
+    blob[:, view], part[:, view] = candidates.blob[at], candidates.part[at]
     cost = np.full(len(at), costs.single_view)
     covariances = np.asarray(np.linalg.inv(information))
-    return Pairs(points, covariances, found.areas_px[at] * size, cost, blob, part)
+    return Pairs(points, covariances, candidates.areas_px[at] * size, cost, blob, part)
 
 
 def _joined(parts: list[Pairs]) -> Pairs:

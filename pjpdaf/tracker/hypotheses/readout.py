@@ -20,7 +20,10 @@ def read_out(
     dt_s: float,
     p: HypothesisParameters,
 ) -> Estimates:
-    """The mean of the hypotheses near the best, with their spread; status of the best."""
+    """The mean of the hypotheses near the best, with their spread; status of the best.
+
+    The exchange probability is that of the best against all.
+    """
     totals = np.array([h.total for h in hypotheses])
     best = hypotheses[int(totals.argmin())]
     share = np.exp(totals.min() - totals) * (totals <= totals.min() + p.mean_within)
@@ -40,7 +43,8 @@ def read_out(
         velocities = (positions - before.positions_m) / dt_s
     unseen = [head.unseen_s, *best.unseen_s.tolist()]
     status = tuple(_status(seconds, p.lost_after_s) for seconds in unseen)
-    return Estimates(positions, covariances, velocities, status)
+    exchanged = exchange_probability(hypotheses)
+    return Estimates(positions, covariances, velocities, status, exchanged)
 
 
 def _status(unseen_s: float, lost_after_s: float) -> str:

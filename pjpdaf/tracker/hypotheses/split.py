@@ -55,8 +55,8 @@ def pieces(pixels: Floats, step_px: float, least: int) -> list[Floats]:
     grid[cells[:, 1], cells[:, 0]] = 1
     count, labels = cv2.connectedComponents(grid, connectivity=8)
     label = labels[cells[:, 1], cells[:, 0]]
-    found = [pixels[label == i] for i in range(1, count)]
-    return sorted((p for p in found if len(p) >= least), key=len, reverse=True)
+    components = [pixels[label == i] for i in range(1, count)]
+    return sorted((p for p in components if len(p) >= least), key=len, reverse=True)
 
 
 def ends(pixels: Floats, length_px: float) -> Floats:

@@ -10,6 +10,7 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
 from pjpdaf.interfaces import Detections, Estimates
+from pjpdaf.known_targets import KnownTargets
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.candidates import WHOLE, HeadPlace, candidates
 from pjpdaf.tracker.hypotheses.costs import (
@@ -21,12 +22,18 @@ from pjpdaf.tracker.hypotheses.costs import (
 )
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.head import HeadTrack, follow_head
-from pjpdaf.tracker.hypotheses.hypothesis import FORBIDDEN, Hypothesis, Sightings, grow
+from pjpdaf.tracker.hypotheses.hypothesis import (
+    FORBIDDEN,
+    Hypothesis,
+    Sightings,
+    grow,
+    nearest_choices,
+)
 from pjpdaf.tracker.hypotheses.motion import spread
 from pjpdaf.tracker.hypotheses.opening import open_tracks
-from pjpdaf.tracker.hypotheses.pairs import Pairs, pairs
+from pjpdaf.tracker.hypotheses.pairs import Pairs, pair_candidates
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
-from pjpdaf.tracker.hypotheses.readout import exchange_probability, read_out
+from pjpdaf.tracker.hypotheses.readout import read_out
 
 VIEWS = 2
 START_SD_M = 0.02
@@ -43,17 +50,15 @@ BEFORE_FACE_M, BELOW_FACE_M = 0.06, 0.02  # a hand at the face
 class HypothesisState:
     """All that changes from frame to frame.
 
-    hypotheses: from the likeliest; said: the last estimates; hand_area_m2: of a whole hand, learnt;
-    longest_m: mean length of the longer hand's blob, which tells bare forearms; exchanged:
-    probability that right and left are exchanged.
+    hypotheses: from the likeliest; estimates: the latest; hand_area_m2: of a whole hand, learnt;
+    longest_m: mean length of the longer hand's blob, which tells bare forearms.
     """
 
     head: HeadTrack
     hypotheses: tuple[Hypothesis, ...]
-    said: Estimates
+    estimates: Estimates
     hand_area_m2: float
     longest_m: float
-    exchanged: float = 0.0
 
 
 @final
@@ -77,52 +82,93 @@ class HypothesisTracker:
         if opened is None:
             return None
         P = np.tile(np.eye(3) * START_SD_M**2, (2, 1, 1))
-        found = tuple(Hypothesis(0.0, cost, hands, P, np.zeros(2)) for hands, cost in opened.hands)
-        said = read_out(opened.head, found, None, self.views, 0.0, p)
+        hypotheses = tuple(
+            Hypothesis(0.0, cost, hands, P, np.zeros(2)) for hands, cost in opened.hands
+        )
+        estimates = read_out(opened.head, hypotheses, None, self.views, 0.0, p)
         area = p.costs.hand_area_m2
-        return HypothesisState(opened.head, found, said, area, opened.longest_m)
+        return HypothesisState(opened.head, hypotheses, estimates, area, opened.longest_m)
 
     def estimates(self, state: HypothesisState, /) -> Estimates:
         """Return the estimates of a state."""
-        return state.said
+        return state.estimates
 
     def predict(self, state: HypothesisState, dt_s: float, /) -> Estimates:
         """Return the estimates expected dt_s after `state`: the same places, less certain."""
         m = self.parameters.motion
         head = spread(dt_s, m.head_weights, m.head_deviations_m)
         hand = spread(dt_s, m.weights, m.deviations_m)
-        grown = state.said.covariances_m2 + np.array([head, hand, hand])
-        return replace(state.said, covariances_m2=grown)
+        grown = state.estimates.covariances_m2 + np.array([head, hand, hand])
+        return replace(state.estimates, covariances_m2=grown)
 
     def step(
         self, state: HypothesisState, detections: tuple[Detections, ...], dt_s: float, /
     ) -> tuple[HypothesisState, Estimates]:
         """Return the state and the estimates after the next frame, dt_s later."""
+        return self._step(state, detections, dt_s, None)
+
+    def step_associated(
+        self,
+        state: HypothesisState,
+        detections: tuple[Detections, ...],
+        known: KnownTargets,
+        dt_s: float,
+        /,
+    ) -> tuple[HypothesisState, Estimates]:
+        """Step with the blob of the head and the choices of the hands that are nearest to known."""
+        return self._step(state, detections, dt_s, self._surfaces(state, known))
+
+    def expecting(
+        self, state: HypothesisState, known: KnownTargets, dt_s: float, /
+    ) -> HypothesisState:
+        """Return the state with the likeliest hypothesis alone, moved to the known targets."""
+        surfaces = self._surfaces(state, known)
+        hands = replace(state.hypotheses[0], means=surfaces[1:])
+        return replace(state, head=replace(state.head, mean=surfaces[0]), hypotheses=(hands,))
+
+    def _surfaces(self, state: HypothesisState, known: KnownTargets) -> Floats:
+        """Where the tracker sees known targets (3, 3) [m]: centres less the modelled offsets."""
+        p, axes = self.parameters, self.views.axes
+        head = state.head.centre(axes, p) - state.head.mean
+        hand = np.array(p.offsets.hand_offset_m) @ axes
+        return np.asarray(known.positions_m - np.array([head, hand, hand]))
+
+    def _step(
+        self,
+        state: HypothesisState,
+        detections: tuple[Detections, ...],
+        dt_s: float,
+        known_m: Floats | None,
+    ) -> tuple[HypothesisState, Estimates]:
+        """Step; known_m (3, 3) [m]: visible surfaces to be chosen, None: what is likeliest."""
         p = self.parameters
         seen = tuple(Blobs.of(view) for view in detections)
-        head, places = follow_head(state.head, seen, self.views, dt_s, p)
-        found = self._pairs(state, seen, places, head)
+        head_m = None if known_m is None else known_m[0]
+        head, places = follow_head(state.head, seen, self.views, dt_s, p, head_m)
+        pairs = self._pairs(state, seen, places, head)
         away, down = self.views.axes[2], self.views.axes[1]
         hidden = any(place is not None and not place.free for place in places) or head.unseen_s > 0
         sightings = Sightings(
-            found,
-            found.cost + area_cost(found, state.hand_area_m2, p.costs),
-            joint_cost(found, places, state.hand_area_m2, p.costs),
-            side_evidence(found, seen, head.mean, self.views, p),
+            pairs,
+            pairs.cost + area_cost(pairs, state.hand_area_m2, p.costs),
+            joint_cost(pairs, places, state.hand_area_m2, p.costs),
+            side_evidence(pairs, seen, head.mean, self.views, p),
             head.mean - BEFORE_FACE_M * away + BELOW_FACE_M * down,
             p.costs.face if hidden else FORBIDDEN,
         )
-        grown, chosen = grow(state.hypotheses, sightings, dt_s, p)
-        said = read_out(head, grown, state.said, self.views, dt_s, p)
+        only = None
+        if known_m is not None:
+            only = nearest_choices(sightings, known_m[1:], state.hypotheses[0].means)
+        grown, chosen = grow(state.hypotheses, sightings, dt_s, p, only)
+        estimates = read_out(head, grown, state.estimates, self.views, dt_s, p)
         after = HypothesisState(
             head,
             grown,
-            said,
-            _learnt_area(state.hand_area_m2, found, list(chosen), p),
+            estimates,
+            _learnt_area(state.hand_area_m2, pairs, list(chosen), p),
             self._longest(state, seen, places, dt_s),
-            exchange_probability(grown),
         )
-        return after, said
+        return after, estimates
 
     def _pairs(
         self,
@@ -143,13 +189,13 @@ class HypothesisTracker:
             for v, (view, place) in enumerate(zip(seen, places, strict=True))
         )
         expected = np.concatenate([h.means for h in state.hypotheses])
-        found = pairs(self.views, (one, two), expected, p.noise, p.costs)
-        away = (found.points_m - head.mean) @ self.views.axes[2]
-        found = found[(away < BEHIND_M) & (away > -BEFORE_M)]
-        extra = piece_cost(found, head.mean, self.views.axes, p.costs)
+        pairs = pair_candidates(self.views, (one, two), expected, p.noise, p.costs)
+        away = (pairs.points_m - head.mean) @ self.views.axes[2]
+        pairs = pairs[(away < BEHIND_M) & (away > -BEFORE_M)]
+        extra = piece_cost(pairs, head.mean, self.views.axes, p.costs)
         if bare:
-            extra = extra + end_cost(found, self.views.axes, p.costs)
-        return replace(found, cost=found.cost + extra)
+            extra = extra + end_cost(pairs, self.views.axes, p.costs)
+        return replace(pairs, cost=pairs.cost + extra)
 
     def _longest(
         self,
@@ -178,12 +224,12 @@ class HypothesisTracker:
         return state.longest_m + share * (longest - state.longest_m)
 
 
-def _learnt_area(area_m2: float, found: Pairs, chosen: list[int], p: HypothesisParameters) -> float:
+def _learnt_area(area_m2: float, pairs: Pairs, chosen: list[int], p: HypothesisParameters) -> float:
     """Area of a whole hand, learnt where both hands are seen apart."""
-    if max(chosen) >= len(found) or not (found.part[chosen] == WHOLE).all():
+    if max(chosen) >= len(pairs) or not (pairs.part[chosen] == WHOLE).all():
         return area_m2
-    if (found.blob[chosen[0]] == found.blob[chosen[1]]).any():
+    if (pairs.blob[chosen[0]] == pairs.blob[chosen[1]]).any():
         return area_m2
     low, high = 0.6 * p.costs.hand_area_m2, 1.6 * p.costs.hand_area_m2
-    now: Floats = np.clip(found.areas_m2[chosen], low, high)
+    now: Floats = np.clip(pairs.areas_m2[chosen], low, high)
     return float(area_m2 * (now.max() / area_m2) ** p.costs.area_memory)

@@ -18,7 +18,9 @@ function paint(image) {
   drawCurves(ep, i);
   const text = `frame ${frame}, ${ep.times[i].toFixed(2)} s`;
   part("frame").textContent = text;
-  part("label").textContent = ep.label[i].replaceAll(";", ", ");
+  const doubt = ep.exchange[i];
+  const stated = Number.isNaN(doubt) ? "" : `hands exchanged, as stated: ${(100 * doubt).toFixed(1)} %`;
+  part("label").textContent = [ep.label[i].replaceAll(";", ", "), stated].filter(Boolean).join(" · ");
   slider.setAttribute("aria-valuetext", text);
   for (let t = 0; t < 3; t++) {
     const row = part("readout").rows[t];

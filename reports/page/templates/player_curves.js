@@ -23,7 +23,9 @@ function columnOf(ep, i, w) {
 
 function drawCurves(ep, i) {
   const rows = ep.lanes ??= lanes(ep);
-  const height = TOP + 2 * PANEL + GAP + 26 + LANE * rows.size;
+  // A lane of its own for the stated probability that the hands are exchanged, where there is any.
+  const doubt = ep.doubt ??= ep.exchange.some((p) => p >= 0.01);
+  const height = TOP + 2 * PANEL + GAP + 26 + LANE * (rows.size + doubt);
   if (curves.style.height !== height + "px") curves.style.height = height + "px";
   const [ctx, w] = surface(curves);
   const x = (n) => columnOf(ep, n, w);
@@ -80,6 +82,15 @@ function drawCurves(ep, i) {
       const from = Math.max(LEFT, x(first) - half * 0.8), to = Math.min(w - 2, x(last) + half * 0.8);
       ctx.globalAlpha = 0.8;
       ctx.fillRect(Math.max(from, 92), y + 1, Math.max(3, to - Math.max(from, 92)), 10); ctx.globalAlpha = 1;
+    }
+    y += LANE;
+  }
+  if (doubt) {
+    ctx.fillStyle = ink.soft; ctx.textAlign = "left"; ctx.fillText("exchanged?", 2, y + 11);
+    ctx.fillStyle = ink.accent;
+    for (let f = 0; f < n; f++) {
+      const p = ep.exchange[f], from = Math.max(92, x(f) - half);
+      if (p >= 0.01) ctx.fillRect(from, y + 13 - 13 * p, Math.max(1, x(f) + half - from), 13 * p);
     }
     y += LANE;
   }

@@ -22,7 +22,7 @@ function decode(raw) {
   return {
     ...raw, frames, detections, times: series(raw.ms, 1e-3), place: new Map(frames.map((f, i) => [f, i])),
     truth: points(raw.truth), estimates: points(raw.estimates),
-    mm: raw.mm.map((d) => series(d, 0.1)), px: raw.px.map((d) => series(d, 0.1)),
+    mm: raw.mm.map((d) => series(d, 0.1)), px: raw.px.map((d) => series(d, 0.1)), exchange: series(raw.exchange, 1e-3),
     label: frames.map((_, i) => {
       while (current + 1 < raw.labels.length && raw.labels[current + 1][0] <= i) current += 1;
       return raw.labels.length && raw.labels[current][0] <= i ? raw.labels[current][1] : "";

@@ -27,14 +27,15 @@ class Numeric(Record):
     @classmethod
     def _with_units(cls, data: Any) -> Any:
         """Text such as "0.3 m/s" or "30 cm" becomes the number in this parameter's unit."""
-        if not isinstance(data, Mapping) or data.get("unit") not in UNITS:
+        unit = data.get("unit") if isinstance(data, Mapping) else None
+        if not isinstance(unit, str) or unit not in UNITS:
             return data
 
         def plain(value: Any, place: str) -> Any:
             if not isinstance(value, str):
                 return value
             try:
-                return parse_quantity(value, data["unit"])
+                return parse_quantity(value, unit)
             except ValueError as fault:
                 raise fault_at(str(fault), place) from None
 

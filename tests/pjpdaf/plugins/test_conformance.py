@@ -199,6 +199,16 @@ class StartsOddly(Tracker):
         return super().start(seen) if len(seen[0]) else 42
 
 
+class AssociatesAlone(Tracker):
+    def step_associated(self, state, seen, known, dt_s):
+        return self.inner.step_associated(state, seen, known, dt_s)[1]
+
+
+class ExpectsNothing(Tracker):
+    def expecting(self, state, known, dt_s):
+        return None
+
+
 class NoPredict:
     start = step = estimates = print
 
@@ -227,6 +237,8 @@ class NoPredict:
         (RaisesUnspeakable, "step: raises Unspeakable (test_conformance.py:"),
         (StartsOddly, "estimates, started without detections: raises AttributeError"),
         (Random, "two trackers of the same factory: differ"),
+        (AssociatesAlone, "step_associated: must return (state, Estimates)"),
+        (ExpectsNothing, "step after expecting: raises AttributeError"),
         (BlindToGaps, "step(no detections, dt 0.033 s): raises AssertionError: no blobs"),
     ],
 )

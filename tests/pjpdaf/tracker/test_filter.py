@@ -161,3 +161,17 @@ def test_wrong_input_is_named() -> None:
         tracker.start_at(np.full((1, 3), np.nan))
     with pytest.raises(ValueError, match="at least one camera"):
         PJPDAF((), TrackerParameters())
+
+
+@pytest.mark.parametrize("name", ["thesis", "thesis-literal"])
+@pytest.mark.parametrize("rate_hz", [3.0, 30.0])
+def test_nobody_there_for_minutes_is_lost_and_no_end(name: str, rate_hz: float) -> None:
+    tracker = make_tracker(name, CAMERAS)
+    state = tracker.start(look(START_W))
+    nothing = (Detections.none(), Detections.none())
+    for _ in range(400):
+        state, estimates = tracker.step(state, nothing, 1 / rate_hz)
+    assert estimates.status == ("lost",) * 3
+    assert np.isfinite(estimates.covariances_m2).all()
+    state, estimates = tracker.step(state, look(START_W), 1 / rate_hz)
+    assert np.isfinite(estimates.positions_m).all()

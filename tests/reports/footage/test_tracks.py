@@ -21,3 +21,6 @@ def test_targets_behind_the_camera_and_waiting():
     assert rows[0]["z_m"] == -1.0
     assert rows[0]["u_left_px"] is None
     assert rows[0]["sd_x_m"] == 0.0
+    assert [row["exchange_probability"] for row in rows] == [None] * 3
+    doubtful = track_rows(1, 0.3, cameras, dataclasses.replace(behind, exchange_probability=0.25))
+    assert [row["exchange_probability"] for row in doubtful] == [None, 0.25, 0.25]

@@ -1,8 +1,11 @@
 """Pairing of two runs: unlike ones are refused, values are capped, seeds are joined."""
 
+import hashlib
+import json
 from dataclasses import replace
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 
 from reports.gate.gate import compare
@@ -15,7 +18,8 @@ from reports.gate.pairing import (
     same_results,
 )
 from reports.run.load import load
-from reports.run.save import RunInfo, save
+from reports.run.save import RunInfo, save, save_slim
+from reports.run.schema import columns_since
 
 
 def test_unlike_runs_are_not_compared(runs, episodes, tmp_path):
@@ -97,3 +101,32 @@ def test_runs_of_other_seeds_join_to_one(episodes, tmp_path):
     assert same_results(together, whole)
     assert [s["seeds"] for s in together.meta["scenarios"]] == [[0, 1, 2, 3, 4, 5]] * 3
     assert compare(whole, together).identical
+
+
+def as_version_2(folder):
+    """Rewrite a saved run as the version before exchange probabilities wrote it."""
+    meta = json.loads((folder / "run.json").read_text())
+    meta["schema_version"] = 2
+    for name, entry in meta["files"].items():
+        path = folder / name
+        absent = columns_since(2, path.stem)
+        if absent:
+            pq.write_table(pq.read_table(path).drop_columns(list(absent)), path)
+            entry["sha256"] = hashlib.sha256(path.read_bytes()).hexdigest()
+    (folder / "run.json").write_text(json.dumps(meta))
+
+
+def test_a_run_of_the_version_before_loads_and_compares(episodes, tmp_path):
+    played = list(episodes())[:3]
+    new = load(save(tmp_path / "new", played, RunInfo("a")))
+    as_version_2(save(tmp_path / "old", played, RunInfo("a")))
+    old = load(tmp_path / "old")
+    assert list(old.frames.columns) == list(new.frames.columns)
+    assert old.frames["exchange_probability"].isna().all()
+    assert (old.episodes["exchange_frames"] == 0).all()
+    slim = load(save_slim(old, tmp_path / "slim"))
+    assert slim.version == 2
+    for one, other in ((old, new), (new, old), (slim, new)):
+        assert same_results(one, other)
+    moved = new.frames.assign(estimate_x_m=new.frames["estimate_x_m"] + 1e-9)
+    assert not same_results(old, replace(new, frames=moved))

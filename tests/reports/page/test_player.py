@@ -36,6 +36,7 @@ def take(episode_of, tools, tmp_path):
         centres_m=centres,
         merged=lambda f: (pair if f == 4 else np.zeros((3, 3), bool),) * 2,
         labels=lambda f: ("reach",) if f < 7 else ("hold", "near"),
+        exchange=np.where(np.arange(20) < 2, np.nan, np.arange(20) / 40),
     )
     return episode, next(episode_tables(load(save(tmp_path / "run", [episode], RunInfo("run")))))
 
@@ -56,6 +57,8 @@ def test_the_page_has_the_runs_own_numbers(take):
     assert data["merged"] == ["0" * 20, "00001" + "0" * 15, "00001" + "0" * 15]
     assert data["status"][0] == "00" + "1" * 18
     assert data["labels"] == [[0, "reach"], [7, "hold;near"]]
+    stated = [o.estimates.exchange_probability for o in episode.frames]
+    np.testing.assert_allclose(undo(data["exchange"], 1e-3), stated, atol=0.51e-3)
     assert {event["kind"] for event in data["events"]} >= {"swap"}
 
 

@@ -24,7 +24,13 @@ def played(episode_of, tools):
         estimates = tools.noisy(centres, n, 0.03)
         if scenario == "cross":
             estimates[8:] = estimates[8:][:, [0, 2, 1]]
-        episode = episode_of(estimates, centres_m=centres, scenario=scenario, group=group)
+        episode = episode_of(
+            estimates,
+            centres_m=centres,
+            scenario=scenario,
+            group=group,
+            exchange=np.full(frames, 0.25 * n),
+        )
         budget = {
             level: np.full((frames, 3), (k + 1) ** 2 / 1000)
             for k, level in enumerate(BUDGET_LEVELS)
@@ -70,6 +76,13 @@ def test_tracking_scores_are_those_of_all_episodes_together(run, played):
     assert row.mota == pytest.approx(summed_clear([clear_mot(*p) for p in every]).mota)
     assert row.idf1 == pytest.approx(summed_identity([identity(*p) for p in every]).idf1)
     assert row.hota == pytest.approx(summed_hota([hota(*p) for p in every]).hota)
+
+
+def test_stated_and_seen_exchanges_are_of_the_frames_of_all_episodes(run):
+    row = whole_row(run)
+    assert row.exchange_frames == 95
+    assert row.exchange_stated == pytest.approx((45 * 0.25 + 30 * 0.5) / 95)
+    assert row.exchange_observed == pytest.approx(12 / 95)
 
 
 def test_a_scenario_has_its_own_row(run):

@@ -91,3 +91,17 @@ def test_help_loads_nothing_heavy():
     assert helped.returncode == 0
     for option in ("--seeds", "--preset", "--detector", "--tracker", "--set", "--jobs", "--out"):
         assert option in helped.stdout
+
+
+def test_an_unforeseen_fault_is_one_line_and_no_verdict(monkeypatch, tmp_path):
+    def broken(*arguments):
+        raise KeyError("a\x1bb")
+
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    monkeypatch.setattr("reports.run.load._load_meta", broken)
+    assert_one_line(
+        in_this_process("report", "run", "--out", tmp_path / "x.html"), 5, "KeyError", "--debug"
+    )
+    shown = in_this_process("report", "run", "--out", tmp_path / "x.html", "--debug")
+    assert "in broken" in shown.stderr
+    assert "\x1b" not in shown.stderr

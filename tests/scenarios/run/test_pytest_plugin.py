@@ -54,7 +54,7 @@ def pytest_in(folder, *words):
     """Only our plug-in, so that nothing else can warn."""
     env = {k: v for k, v in os.environ.items() if not k.startswith("PYTEST_")}
     env |= {"PYTHONPATH": str(ROOT), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
-    command = [sys.executable, "-m", "pytest", "-p", "scenarios.run.pytest_plugin", "-q", *words]
+    command = [sys.executable, "-m", "pytest", "-p", "pjpdaf.pytest_plugin", "-q", *words]
     return subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, check=False)
 
 
@@ -98,7 +98,7 @@ def test_faults_are_one_line_without_a_traceback(folder):
 
 def test_it_imports_nothing_until_it_is_used(folder):
     code = (
-        "import sys, scenarios.run.pytest_plugin;"
+        "import sys, pjpdaf.pytest_plugin;"
         "heavy = {'numpy', 'cv2', 'mujoco', 'pandas', 'scipy', 'plotly', 'pydantic', 'pyarrow'};"
         "assert not heavy & set(sys.modules), heavy & set(sys.modules)"
     )

@@ -3,6 +3,7 @@
 import json
 import shutil
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -128,6 +129,26 @@ def test_files_as_track_writes_them_are_read(made, episodes, tmp_path):
     np.testing.assert_allclose(
         saved.frames["covariance_xx_m2"][known], run["covariance_xx_m2"][known], rtol=1e-3
     )
+
+
+def test_stated_exchange_probabilities_are_scored(made, episodes, tmp_path):
+    stated = [
+        replace(
+            episode,
+            frames=tuple(
+                replace(o, estimates=replace(o.estimates, exchange_probability=f / 8))
+                for f, o in enumerate(episode.frames)
+            ),
+        )
+        for episode in episodes
+    ]
+    run = tables_of([rows_of(episode) for episode in stated])
+    saved = scored(made, files_of(stated, tmp_path / "tracks"), tmp_path)
+    frames = run["frames"].to_pandas()
+    assert saved.frames["exchange_probability"].equals(frames["exchange_probability"])
+    assert frames["exchange_probability"].notna().sum() == 2 * len(frames) // 3
+    counts = ["exchange_frames", "exchanged_frames", "sum_exchange_probability"]
+    assert saved.episodes[counts].equals(run["episodes"].to_pandas()[counts])
 
 
 def test_the_verb_track_on_its_pictures_scores_as_the_run(made, episodes, tmp_path):
@@ -257,6 +278,22 @@ GOOD = "seq_000000,0,head,0.1,0,1.2"
         (
             lines(GOOD + ",1,1,-1", header=HEADER + ",sd_x_m,sd_y_m,sd_z_m"),
             ":2: sd_x_m, sd_y_m, sd_z_m must be 0 or more",
+        ),
+        (
+            lines(GOOD + ",0.5", header=HEADER + ",exchange_probability"),
+            ":2: exchange_probability goes into the hands' rows, not the head's",
+        ),
+        (
+            lines("seq_000000,0,left_hand,0,0,1,1.5", header=HEADER + ",exchange_probability"),
+            ":2: exchange_probability must be from 0 to 1, got 1.5",
+        ),
+        (
+            lines(
+                "seq_000000,0,left_hand,0,0,1,0.5",
+                "seq_000000,0,right_hand,0,0,1,0.4",
+                header=HEADER + ",exchange_probability",
+            ),
+            ":3: exchange_probability is 0.4, of the other hand it is another",
         ),
         (lines("seq_000000,0,head,100,0,1200", "seq_000000,1,head,90,0,1300"), "metres are expe"),
         (lines('seq_000000,0,"head' + "x" * 200_000), ":2: is not CSV"),

@@ -65,8 +65,8 @@ def test_hands_that_move_apart_are_followed(dt_s):
     velocity = np.array([[0.0, 0, 0], [0.1, -0.1, 0.1], [0.1, 0.1, 0.0]])
     for k in range(1, 5):
         truth = START_W + velocity * min(k * dt_s, 1.5)
-        state, said = one.step(state, seen(truth), dt_s)
-    np.testing.assert_allclose(said.positions_m, truth, atol=0.01)
+        state, estimates = one.step(state, seen(truth), dt_s)
+    np.testing.assert_allclose(estimates.positions_m, truth, atol=0.01)
 
 
 def test_hidden_hand_coasts_is_lost_and_comes_back_anywhere():
@@ -75,16 +75,16 @@ def test_hidden_hand_coasts_is_lost_and_comes_back_anywhere():
     assert state is not None
     status = []
     for _ in range(5):
-        state, said = one.step(state, seen(START_W[:2], AREAS[:2]), FRAME_S)
-        status.append(said.status[2])
+        state, estimates = one.step(state, seen(START_W[:2], AREAS[:2]), FRAME_S)
+        status.append(estimates.status[2])
     assert status[0] == "coasting"
     assert status[-1] == "lost"
     away = START_W.copy()
     away[2] = (0.3, 0.45, 1.1)
     for _ in range(3):
-        state, said = one.step(state, seen(away), FRAME_S)
-    assert said.status == ("tracked",) * 3
-    np.testing.assert_allclose(said.positions_m, away, atol=0.02)
+        state, estimates = one.step(state, seen(away), FRAME_S)
+    assert estimates.status == ("tracked",) * 3
+    np.testing.assert_allclose(estimates.positions_m, away, atol=0.02)
 
 
 def test_lost_view_leaves_estimates_finite():
@@ -93,10 +93,10 @@ def test_lost_view_leaves_estimates_finite():
     assert state is not None
     left, _ = seen(START_W)
     for _ in range(2):
-        state, said = one.step(state, (left, Detections.none(missing=True)), FRAME_S)
-        assert np.isfinite(said.positions_m).all()
-    np.testing.assert_allclose(said.positions_m, START_W, atol=0.05)
-    assert np.linalg.eigvalsh(said.covariances_m2).min() > 0
+        state, estimates = one.step(state, (left, Detections.none(missing=True)), FRAME_S)
+        assert np.isfinite(estimates.positions_m).all()
+    np.testing.assert_allclose(estimates.positions_m, START_W, atol=0.05)
+    assert np.linalg.eigvalsh(estimates.covariances_m2).min() > 0
 
 
 def test_frames_without_blobs_change_no_place():
@@ -104,21 +104,21 @@ def test_frames_without_blobs_change_no_place():
     state = one.start(seen(START_W))
     assert state is not None
     for _ in range(30):
-        state, said = one.step(state, nothing(), FRAME_S)
-    np.testing.assert_allclose(said.positions_m, START_W, atol=1e-6)
-    assert said.status == ("lost",) * 3
+        state, estimates = one.step(state, nothing(), FRAME_S)
+    np.testing.assert_allclose(estimates.positions_m, START_W, atol=1e-6)
+    assert estimates.status == ("lost",) * 3
 
 
 def test_order_of_blobs_does_not_matter():
     order = [2, 0, 1]
-    said = []
+    estimates = []
     for index in (range(3), order):
         one = tracker()
         state = one.start(seen(START_W[list(index)], AREAS[list(index)]))
         assert state is not None
         moved = START_W + np.array([0.02, 0.0, 0.01])
-        said.append(one.step(state, seen(moved[list(index)], AREAS[list(index)]), FRAME_S)[1])
-    np.testing.assert_allclose(said[0].positions_m, said[1].positions_m, atol=1e-9)
+        estimates.append(one.step(state, seen(moved[list(index)], AREAS[list(index)]), FRAME_S)[1])
+    np.testing.assert_allclose(estimates[0].positions_m, estimates[1].positions_m, atol=1e-9)
 
 
 def test_evidence_of_the_detector_exchanges_hands_after_a_merge():
@@ -137,9 +137,9 @@ def test_evidence_of_the_detector_exchanges_hands_after_a_merge():
             right, left = (2, 1) if exchanged else (1, 2)
             log[right, 2] = log[left, 1] = -6.0
             views = tuple(dataclasses.replace(view, evidence=log) for view in seen(START_W))
-            state, said = one.step(state, views, FRAME_S)
+            state, estimates = one.step(state, views, FRAME_S)
         hands = START_W[[2, 1]] if exchanged else START_W[1:]
-        np.testing.assert_allclose(said.positions_m[1:], hands, atol=0.03)
+        np.testing.assert_allclose(estimates.positions_m[1:], hands, atol=0.03)
 
 
 def test_exchange_probability_is_the_weight_of_the_exchanged():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import ValidationError
 
 from scenarios.spec.parameters.distributions import Fixed, LogUniform, Normal, Uniform
 from scenarios.spec.parameters.numeric import Numeric
@@ -36,3 +37,9 @@ def test_the_latent_of_the_median_is_zero_and_of_a_normal_its_z():
     wide = Numeric(unit="m", range=(-9, 9), nominal=Normal(kind="normal", mean=1.0, sd=0.5))
     assert wide.latent(1.0) == pytest.approx(0.0, abs=1e-12)
     assert wide.latent(1.5) == pytest.approx(1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("unit", [["m"], {"m": 1}, 3, None])
+def test_a_unit_that_is_no_word_is_a_fault_of_the_file(unit):
+    with pytest.raises(ValidationError, match="unit"):
+        Numeric.model_validate({"unit": unit, "range": [0, 1], "nominal": {"kind": "uniform"}})

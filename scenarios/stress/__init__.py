@@ -1,0 +1,1 @@
+"""Stress: search, shrink, map and estimate the failures of a tracker."""

@@ -1,0 +1,113 @@
+"""A trial played in a worker: its episode, reduced to what stress needs of it."""
+
+from __future__ import annotations
+
+import importlib
+import time
+from itertools import groupby
+
+import numpy as np
+
+from pjpdaf.camera import StereoRig
+from pjpdaf.errors import BenchError, InfrastructureError, PlugInFault
+from pjpdaf.plugins.registry import describe_exception
+from pjpdaf.plugins.scenes import cameras_in_front
+from pjpdaf.targets import TARGETS
+from reports.score.events import find_events
+from reports.score.records import Episode, FailureKind
+from reports.score.robustness import robustness
+from scenarios.play.blame import blame
+from scenarios.play.footage import open_footage
+from scenarios.play.job import Job, System
+from scenarios.play.play import make_system, play_footage
+from scenarios.spec.draw import perform
+from scenarios.stress.case import Trial, TrialFailure, TrialResult
+from sim.contact.contact import Unposable
+
+LEAST_VISIBLE_SHARE = 0.2  # of a target's own pixels; with fewer it counts as hidden
+
+
+def play_trial(trial: Trial) -> TrialResult | BenchError:
+    """Play a trial; a fault of plug-in or pose becomes its failure.
+
+    A fault of the machine, or of a system that cannot be built, is returned.
+
+    A fast episode is not judged before it is played: where it fails, and a person could not perform
+    it, its failure is "unposable" and it counts as nothing.
+    """
+    started = time.process_time()
+    job = trial.case.job(trial.system)
+    try:
+        result = _fast(job, trial.key) if trial.fidelity == "fast" else _full(job, trial.key)
+    except InfrastructureError as fault:
+        return fault
+    except (Unposable, BenchError) as fault:
+        # Values that do not go together, as of a lens: nobody can play them.
+        return _fault_of(trial.system) or _failure(trial.key, "unposable", str(fault))
+    except PlugInFault as fault:
+        return _failure(trial.key, "plug-in", str(fault))
+    except (Exception, SystemExit, KeyboardInterrupt) as fault:
+        return _failure(trial.key, "exception", describe_exception(fault))
+    return TrialResult(**{**vars(result), "cpu_s": time.process_time() - started})
+
+
+def result_of(key: str, episode: Episode) -> TrialResult:
+    """The result of a played episode, with the blame that it carries."""
+    return TrialResult(
+        key=key,
+        robustness=robustness(episode),
+        events=find_events(episode),
+        frames=len(episode.frames),
+        fps=episode.fps,
+        occluded_frames=occluded_frames(episode),
+        blame=episode.blame,
+    )
+
+
+def occluded_frames(episode: Episode) -> tuple[int, ...]:
+    """Of each target, the longest run of frames in which no view shows it as itself."""
+    runs = []
+    for target in range(len(TARGETS)):
+        hidden = [
+            all(
+                view.visible_fractions[target] < LEAST_VISIBLE_SHARE
+                or bool(np.any(view.merged[target]))
+                for view in outcome.truth.views
+            )
+            for outcome in episode.frames
+        ]
+        runs.append(max([0, *(len(list(run)) for dark, run in groupby(hidden) if dark)]))
+    return tuple(runs)
+
+
+def _fast(job: Job, key: str) -> TrialResult:
+    play_fast = importlib.import_module("scenarios.play.fast").play_fast
+    result = result_of(key, play_fast(job))
+    if result.failed:
+        performance = perform(job.scenario, job.seed, job.overrides)
+        if performance.redrawn:
+            return _failure(key, "unposable", "a person could not perform it")
+    return result
+
+
+def _full(job: Job, key: str) -> TrialResult:
+    with open_footage(job) as footage:
+        detector, tracker = make_system(job.system, footage.calibration)
+        result = result_of(key, episode := play_footage(job, footage, detector, tracker))
+        if not result.failed:
+            return result
+        stages = blame(episode, footage.calibration.cameras, tracker)
+    return TrialResult(**{**vars(result), "blame": stages})
+
+
+def _fault_of(system: System) -> BenchError | None:
+    """The fault of a system that cannot be built; None where it can."""
+    try:
+        make_system(system, StereoRig(*cameras_in_front()))
+    except BenchError as fault:
+        return fault
+    return None
+
+
+def _failure(key: str, kind: FailureKind, reason: str) -> TrialResult:
+    return TrialResult(key, None, failure=TrialFailure(kind, reason))
