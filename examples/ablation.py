@@ -12,8 +12,7 @@ tried where the pictures need them: in the group `baseline`, which has the nuisa
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from types import MappingProxyType
+from dataclasses import dataclass, field
 
 from replays import Result, Variant, by_group, change, main, outcome, share
 
@@ -29,7 +28,7 @@ class Part:
 
     name: str
     off: Settings
-    needs: Settings = MappingProxyType({})
+    needs: Settings = field(default_factory=dict)
 
 
 DETECTOR = tuple(
