@@ -183,6 +183,9 @@ class OffsetParameters:
 
     hand_offset_m: tuple[float, float, float] = (0.0, -0.003, 0.008)
     head_offset_m: tuple[float, float, float] = (0.0, -0.027, 0.015)
+    # Share of the height by which the hair's top is above the average that the centre of the head's
+    # skin is lower, fitted [1].
+    crown_share: float = 0.74
     # How much the offsets differ, per axis [m].
     hand_offset_sd_m: float = 0.004
     head_offset_sd_m: float = 0.006
