@@ -22,6 +22,7 @@ from pjpdaf.tracker.hypotheses.costs import (
 )
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.head import HeadTrack, follow_head
+from pjpdaf.tracker.hypotheses.head_pieces import join_head
 from pjpdaf.tracker.hypotheses.hypothesis import (
     FORBIDDEN,
     Hypothesis,
@@ -143,6 +144,8 @@ class HypothesisTracker:
         """Step; known_m (3, 3) [m]: visible surfaces to be chosen, None: what is likeliest."""
         p = self.parameters
         seen = tuple(Blobs.of(view) for view in detections)
+        if p.candidates.join_head:
+            seen = join_head(state.head, seen, self.views)
         head_m = None if known_m is None else known_m[0]
         head, places = follow_head(state.head, seen, self.views, dt_s, p, head_m)
         pairs = self._pairs(state, seen, places, head)
@@ -189,7 +192,8 @@ class HypothesisTracker:
             for v, (view, place) in enumerate(zip(seen, places, strict=True))
         )
         expected = np.concatenate([h.means for h in state.hypotheses])
-        pairs = pair_candidates(self.views, (one, two), expected, p.noise, p.costs)
+        cut = seen if p.candidates.cut_hands else None
+        pairs = pair_candidates(self.views, (one, two), expected, p.noise, p.costs, cut)
         away = (pairs.points_m - head.mean) @ self.views.axes[2]
         pairs = pairs[(away < BEHIND_M) & (away > -BEFORE_M)]
         extra = piece_cost(pairs, head.mean, self.views.axes, p.costs)
