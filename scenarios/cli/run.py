@@ -68,6 +68,12 @@ def run(
         ),
     ] = None,
     detections: Detections = None,
+    no_cache: Annotated[
+        bool,
+        typer.Option(
+            "--no-cache", help="Render all pictures anew; `cache info` says what is kept."
+        ),
+    ] = False,
 ) -> None:
     """Play scenarios, score them, print the table, save the run and its report.
 
@@ -91,6 +97,7 @@ def run(
                 keep_films=films and not slim,
                 dataset=from_,
                 detections=detections,
+                use_cache=not no_cache,
             ),
             preset=preset,
             jobs=jobs,

@@ -21,6 +21,7 @@ from scenarios.play.footage import Footage, open_footage
 from scenarios.play.job import Job, System, digest_of
 from scenarios.play.pictures import PictureCollector
 from scenarios.spec.draw import concrete
+from sim.recording.recording import Recording
 from sim.truth import Truth
 
 
@@ -52,7 +53,7 @@ def play(job: Job) -> Episode:
     """
     with open_footage(job) as footage:
         detector, tracker = make_system(job.system, footage.calibration, job.detections)
-        return play_footage(job, footage, detector, tracker)
+        return with_origin(play_footage(job, footage, detector, tracker), footage)
 
 
 def play_complete(job: Job) -> Episode:
@@ -77,7 +78,13 @@ def complete_episode(job: Job, footage: Footage) -> Episode:
     episode = play_footage(job, footage, detector, tracker, keep)
     episode = with_blame(episode, cameras, tracker, seen)
     episode = with_error_budget(episode, cameras, tracker, seen)
-    return collector.added_to(episode)
+    return with_origin(collector.added_to(episode), footage)
+
+
+def with_origin(episode: Episode, footage: Footage) -> Episode:
+    """The episode with the origin of its pictures."""
+    replayed = isinstance(footage, Recording)
+    return replace(episode, renderer=footage.renderer, replayed=replayed)
 
 
 def play_footage(

@@ -18,6 +18,8 @@ from reports.summary.budget import budget_of
 from reports.summary.causes import blame_lines, budget_line
 from reports.summary.tables import rich_table, summarise
 from reports.summary.text import count
+from scenarios.cache.report import origin_line
+from scenarios.cache.settings import cache_settings
 from scenarios.console.folder import default_folder
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
 from scenarios.console.progress import progress_bar
@@ -108,6 +110,9 @@ def _play_and_save(
         f"({frames / wall_s:.1f} a second, {workers} workers)",
         highlight=False,
     )
+    settings = cache_settings() if request.plan.use_cache else None
+    if origin := origin_line(played.rows, settings):
+        out.print(origin, highlight=False, soft_wrap=True)
     if request.slim:
         out.print(f"slim run: {folder}", highlight=False, soft_wrap=True)
     else:
