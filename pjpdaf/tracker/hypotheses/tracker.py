@@ -17,6 +17,7 @@ from pjpdaf.tracker.hypotheses.costs import (
     area_cost,
     end_cost,
     joint_cost,
+    likeliest,
     piece_cost,
     side_evidence,
 )
@@ -195,7 +196,8 @@ class HypothesisTracker:
         extra = piece_cost(pairs, head.mean, self.views.axes, p.costs)
         if bare:
             extra = extra + end_cost(pairs, self.views.axes, p.costs)
-        return replace(pairs, cost=pairs.cost + extra)
+        pairs = replace(pairs, cost=pairs.cost + extra)
+        return likeliest(pairs, expected, state.hand_area_m2, p.costs)
 
     def _longest(
         self,
