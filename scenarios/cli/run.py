@@ -13,6 +13,7 @@ from pjpdaf.presets.names import DEFAULT_PRESET
 from scenarios.cli.options import (
     Detections,
     Jobs,
+    Lag,
     PlugInName,
     PresetName,
     RunOut,
@@ -68,6 +69,7 @@ def run(
         ),
     ] = None,
     detections: Detections = None,
+    lag: Lag = 0,
 ) -> None:
     """Play scenarios, score them, print the table, save the run and its report.
 
@@ -91,6 +93,7 @@ def run(
                 keep_films=films and not slim,
                 dataset=from_,
                 detections=detections,
+                lag=lag,
             ),
             preset=preset,
             jobs=jobs,

@@ -48,12 +48,12 @@ def stages_of(tracker: AnyTracker) -> tuple[str, ...]:
 
 
 def track_again(
-    episode: Episode, cameras: Sequence[Camera], tracker: AnyTracker, oracle: Oracle
+    episode: Episode, cameras: Sequence[Camera], tracker: AnyTracker, oracle: Oracle, lag: int = 0
 ) -> Episode:
     """The episode with the estimates that the tracker gives under this oracle.
 
-    cameras: the calibration that the tracker was given. Raises ValueError for a stage that this
-    tracker does not let be replaced.
+    cameras: the calibration that the tracker was given; lag: as of `follow`. Raises ValueError for
+    a stage that this tracker does not let be replaced.
     """
     if (oracle.association or oracle.process) and not isinstance(tracker, PJPDAF):
         raise ValueError("association and process can be replaced in a PJPDAF only")
@@ -67,7 +67,7 @@ def track_again(
     if isinstance(tracker, PJPDAF) and (oracle.association or oracle.process):
         tracker = AidedTracker(tracker, tuple(cameras), truths, oracle)
     frames = (StereoFrame(number, truth.time_s, ()) for number, truth in enumerate(truths))
-    steps = follow(frames, RecordedDetections(recorded), tracker)
+    steps = follow(frames, RecordedDetections(recorded), tracker, lag)
     outcomes = tuple(
         replace(outcome, estimates=step.estimates, detections=step.detections)
         for outcome, step in zip(episode.frames, steps, strict=True)

@@ -22,6 +22,7 @@ from pjpdaf.tracker.hypotheses.costs import (
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.head import HeadTrack, follow_head
 from pjpdaf.tracker.hypotheses.hypothesis import FORBIDDEN, Hypothesis, Sightings, grow
+from pjpdaf.tracker.hypotheses.lag import Past, look_back
 from pjpdaf.tracker.hypotheses.motion import spread
 from pjpdaf.tracker.hypotheses.opening import open_tracks
 from pjpdaf.tracker.hypotheses.pairs import Pairs, pair_candidates
@@ -44,7 +45,8 @@ class HypothesisState:
     """All that changes from frame to frame.
 
     hypotheses: from the likeliest; estimates: the latest; hand_area_m2: of a whole hand, learnt;
-    longest_m: mean length of the longer hand's blob, which tells bare forearms.
+    longest_m: mean length of the longer hand's blob, which tells bare forearms; dt_s: time since
+    the state before.
     """
 
     head: HeadTrack
@@ -52,6 +54,7 @@ class HypothesisState:
     estimates: Estimates
     hand_area_m2: float
     longest_m: float
+    dt_s: float = 0.0
 
 
 @final
@@ -120,8 +123,14 @@ class HypothesisTracker:
             estimates,
             _learnt_area(state.hand_area_m2, pairs, list(chosen), p),
             self._longest(state, seen, places, dt_s),
+            dt_s,
         )
         return after, estimates
+
+    def smoothed(self, states: tuple[HypothesisState, ...], /) -> Estimates:
+        """Return the estimates of the first state in the knowledge of the later ones."""
+        past = [Past(s.head, s.hypotheses, s.dt_s) for s in states]
+        return look_back(past, states[0].estimates, self.views, self.parameters)
 
     def _pairs(
         self,
