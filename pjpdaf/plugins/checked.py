@@ -12,6 +12,7 @@ from typing import Any
 from pjpdaf.errors import PlugInFault
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import AnyTracker, Detections, Detector, Estimates, Smoother
+from pjpdaf.known_targets import KnownTargets
 from pjpdaf.plugins.answers import fault_of_detections, fault_of_estimates, fault_of_step
 from pjpdaf.plugins.registry import describe_exception
 
@@ -35,6 +36,23 @@ class CheckedTracker:
         _refuse(self.name, "step", fault_of_step(answer))
         after, estimates = answer
         return after, estimates
+
+    def step_associated(
+        self, state: Any, detections: tuple[Detections, ...], known: KnownTargets, dt_s: float
+    ) -> tuple[Any, Estimates]:
+        """Return a state and estimates, of a tracker whose association can be replaced."""
+        method = "step_associated"
+        answer = _call(
+            self.name, method, getattr(self.tracker, method), state, detections, known, dt_s
+        )
+        _refuse(self.name, method, fault_of_step(answer))
+        after, estimates = answer
+        return after, estimates
+
+    def expecting(self, state: Any, known: KnownTargets, dt_s: float) -> Any:
+        """Return a state, of a tracker whose prediction can be replaced."""
+        method = "expecting"
+        return _call(self.name, method, getattr(self.tracker, method), state, known, dt_s)
 
     def estimates(self, state: Any) -> Estimates:
         """Return estimates that can be scored."""

@@ -12,6 +12,7 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from pjpdaf.follow import follow
 from pjpdaf.interfaces import AnyTracker, Detections, Estimates, Smoother
+from pjpdaf.known_targets import AssociationReplaceable, KnownTargets, PredictionReplaceable
 from pjpdaf.plugins.answers import fault_of_estimates, fault_of_step
 from pjpdaf.plugins.probe import CheckEnds, Probe
 from pjpdaf.plugins.registry import Factory
@@ -201,6 +202,29 @@ def _check_hard_frames(tracker: AnyTracker, probe: Probe) -> None:
             probe.end_at(label, fault_of_step(answer))
             check_estimates(probe, label, answer[1], {"waiting", "lost"})
             state = answer[0]
+    _check_replaceable(tracker, probe)
+
+
+def _check_replaceable(tracker: AnyTracker, probe: Probe) -> None:
+    """The methods that replace a stage, where the tracker has them: of slow targets, all shown."""
+    cameras, paths = cameras_in_front(), paths_m()
+    first, after = (detections_of(cameras, points, range(3)) for points in paths[:2])
+    state = probe.call("start", tracker.start, first)
+    if state is None:
+        return
+    velocities = (paths[1] - paths[0]) / DT_S
+    shown_by = np.tile(np.arange(len(TARGETS)), (len(cameras), 1))
+    known = KnownTargets(paths[1], velocities, shown_by)
+    if isinstance(tracker, AssociationReplaceable):
+        label = "step_associated"
+        answer = probe.call(label, tracker.step_associated, state, after, known, DT_S)
+        probe.end_at(label, fault_of_step(answer))
+        check_estimates(probe, label, answer[1])
+    if isinstance(tracker, PredictionReplaceable):
+        moved = probe.call("expecting", tracker.expecting, state, known, DT_S)
+        answer = probe.call("step after expecting", tracker.step, moved, after, DT_S)
+        probe.end_at("step after expecting", fault_of_step(answer))
+        check_estimates(probe, "step after expecting", answer[1])
 
 
 def _frozen(state: Any) -> bytes | str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import lru_cache
 from typing import final
 
@@ -11,6 +12,7 @@ import numpy as np
 from pjpdaf.arrays import Floats, readonly
 from pjpdaf.camera import Camera
 from pjpdaf.interfaces import Detections, Estimates
+from pjpdaf.known_targets import KnownTargets
 from pjpdaf.tracker.association import Association, assign, associate
 from pjpdaf.tracker.measurement import Projection, linearise
 from pjpdaf.tracker.parameters import TrackerParameters
@@ -70,19 +72,23 @@ class PJPDAF:
         prior, association = self.associate(state, detections, dt_s)
         return self._update(state, prior, association, dt_s)
 
-    def step_assigned(
-        self, state: TrackState, assigned_px: Floats, dt_s: float
+    def step_associated(
+        self,
+        state: TrackState,
+        detections: tuple[Detections, ...],
+        known: KnownTargets,
+        dt_s: float,
     ) -> tuple[TrackState, Estimates]:
-        """Step with measurements whose origin is known: no association.
-
-        assigned_px (N, T, 2): the undistorted measurement of each target in each view, NaN where
-        it has none.
-        """
-        shape = (len(self.cameras), len(state.status), 2)
-        assigned = readonly(assigned_px, shape, "assigned_px")
+        """Step with measurements whose origin is known: no association."""
+        self._check(detections)
         prior = self._prior(state, dt_s)
-        association = assign(self.parameters.association, prior, assigned)
+        association = assign(self.parameters.association, prior, known.pixels(detections))
         return self._update(state, prior, association, dt_s)
+
+    def expecting(self, state: TrackState, known: KnownTargets, dt_s: float) -> TrackState:
+        """Return the state on the line that leads to the known targets; the covariance stays."""
+        before = known.positions_m - dt_s * known.velocities_mps
+        return replace(state, mean=np.concatenate([before, known.velocities_mps], axis=1))
 
     def estimates(self, state: TrackState) -> Estimates:
         """Return positions, velocities and status of a state."""

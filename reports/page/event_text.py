@@ -1,4 +1,4 @@
-"""Events and stages in words, from rows of the table of events."""
+"""Events in words, from rows of the table of events."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from reports.summary.text import LABELS
-
-_STAGES = {"none": "no single stage", "process": "process model"}
 
 
 def event_text(event: Mapping[Any, Any]) -> str:
@@ -19,8 +17,3 @@ def event_text(event: Mapping[Any, Any]) -> str:
         "lost": f"{target} lost",
         "recovered": f"{target} recovered",
     }[event["kind"]]
-
-
-def stage_text(stage: str) -> str:
-    """The stage at fault for an event in words."""
-    return _STAGES.get(stage, stage)

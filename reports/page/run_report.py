@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import pandas as pd
 from markupsafe import Markup
 
 from reports.page.charts.bars import stacked_bars
-from reports.page.event_text import stage_text
 from reports.run.load import SavedRun
 from reports.summary.budget import Budget, budget_of
+from reports.summary.causes import blame_lines
 from reports.summary.groups import GroupRow, group_rows, scenario_rows, whole_row
 from reports.summary.tables import Summary, summarise
-
-_PLURALS = {"swap": "swaps", "capture": "captures", "lost": "losses"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,14 +45,3 @@ def run_report(run: SavedRun) -> RunReport:
         budget=budget,
         budget_chart=stacked_bars(budget.shares_mm) if budget is not None else None,
     )
-
-
-def blame_lines(events: pd.DataFrame) -> tuple[str, ...]:
-    """Count the stages at fault, a line per kind of event; empty where none is known."""
-    lines = []
-    for kind, plural in _PLURALS.items():
-        stages = events.loc[(events["kind"] == kind) & (events["blame"] != ""), "blame"]
-        if len(stages):
-            counts = [f"{n} {stage_text(str(stage))}" for stage, n in stages.value_counts().items()]
-            lines.append(f"{plural}: {', '.join(counts)}")
-    return tuple(lines)

@@ -70,6 +70,12 @@ def run(
     ] = None,
     detections: Detections = None,
     lag: Lag = 0,
+    no_cache: Annotated[
+        bool,
+        typer.Option(
+            "--no-cache", help="Render all pictures anew; `cache info` says what is kept."
+        ),
+    ] = False,
 ) -> None:
     """Play scenarios, score them, print the table, save the run and its report.
 
@@ -94,6 +100,7 @@ def run(
                 dataset=from_,
                 detections=detections,
                 lag=lag,
+                use_cache=not no_cache,
             ),
             preset=preset,
             jobs=jobs,

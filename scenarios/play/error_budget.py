@@ -20,18 +20,29 @@ from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, project, triangulate, undistort_points
 from pjpdaf.interfaces import AnyTracker
 from reports.score.records import BUDGET_LEVELS, Episode
-from scenarios.play.oracle import Oracle, stages_of, track_again, true_assignment
+from scenarios.play.oracle import Oracle, Seen, stages_of, track_again
+from scenarios.play.true_detections import known_targets
 
 Pixels = Callable[[Episode, int, Sequence[Camera]], Floats]  # of a frame: (N, T, 2)
 
 
-def with_error_budget(episode: Episode, cameras: Sequence[Camera], tracker: AnyTracker) -> Episode:
-    """The episode with the errors of each level of the budget."""
-    return replace(episode, budget_m=error_budget(episode, cameras, tracker))
+def with_error_budget(
+    episode: Episode,
+    cameras: Sequence[Camera],
+    tracker: AnyTracker,
+    seen: Seen | None = None,
+    lag: int = 0,
+) -> Episode:
+    """The episode with the errors of each level of the budget; seen, lag: as `track_again`."""
+    return replace(episode, budget_m=error_budget(episode, cameras, tracker, seen, lag))
 
 
 def error_budget(
-    episode: Episode, cameras: Sequence[Camera], tracker: AnyTracker
+    episode: Episode,
+    cameras: Sequence[Camera],
+    tracker: AnyTracker,
+    seen: Seen | None = None,
+    lag: int = 0,
 ) -> Mapping[str, Floats]:
     """Errors (F, T) [m] by level of `BUDGET_LEVELS`, NaN in frames in which any level has no error.
 
@@ -41,7 +52,7 @@ def error_budget(
     if "association" not in stages_of(tracker):
         return {}
     centres = np.stack([outcome.truth.centres_m for outcome in episode.frames])
-    known = track_again(episode, cameras, tracker, Oracle(association=True))
+    known = track_again(episode, cameras, tracker, Oracle(association=True), seen, lag)
     located = {
         "grid": _located(episode, cameras, _whole_pixels),
         "surface": _located(episode, cameras, _visible_centroids),
@@ -90,4 +101,4 @@ def _visible_centroids(episode: Episode, frame: int, cameras: Sequence[Camera]) 
 
 def _detections(episode: Episode, frame: int, cameras: Sequence[Camera]) -> Floats:
     outcome = episode.frames[frame]
-    return true_assignment(outcome.truth, outcome.detections, cameras)
+    return known_targets(outcome.truth, outcome.detections, cameras).pixels(outcome.detections)

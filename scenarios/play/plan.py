@@ -34,7 +34,8 @@ class PlanRequest:
     arguments; detector, tracker: preset, entry point or module:factory; keep_pictures: of some
     frames of each scenario's first seed; keep_films: of every episode; dataset: folder of a data
     set whose sequences are read instead of rendering `targets`; detections: file or folder of 2-D
-    detections of that data set, in place of a detector; lag: frames by which estimates come later.
+    detections of that data set, in place of a detector; use_cache: pictures may come from the
+    cache; lag: frames by which estimates come later.
     """
 
     targets: tuple[str, ...] = ()
@@ -49,6 +50,7 @@ class PlanRequest:
     dataset: Path | None = None
     detections: Path | None = None
     lag: int = 0
+    use_cache: bool = True
 
 
 def plan(request: PlanRequest) -> list[Job]:
@@ -107,6 +109,7 @@ def _jobs_of(
             keep_pictures=seed == request.first_seed and request.keep_pictures,
             label=planned.label,
             keep_film=request.keep_films,
+            use_cache=request.use_cache,
         )
         for seed in range(request.first_seed, request.first_seed + seeds)
     ]

@@ -10,11 +10,10 @@ from typing import Any
 from pjpdaf.camera import StereoRig
 from pjpdaf.detector.external import DetectionTable, ExternalDetector
 from pjpdaf.follow import FollowedFrame, follow
-from pjpdaf.interfaces import Detector, Tracker
+from pjpdaf.interfaces import Detections, Detector, Tracker
 from pjpdaf.plugins.checked import CheckedDetector, checked_tracker
 from pjpdaf.plugins.registry import make_detector, make_tracker
 from pjpdaf.presets.registry import PRESETS
-from pjpdaf.tracker.filter import PJPDAF
 from reports.score.records import Episode, FrameOutcome
 from scenarios.play.blame import with_blame
 from scenarios.play.error_budget import with_error_budget
@@ -22,6 +21,7 @@ from scenarios.play.footage import Footage, open_footage
 from scenarios.play.job import Job, System, digest_of
 from scenarios.play.pictures import PictureCollector
 from scenarios.spec.draw import concrete
+from sim.recording.recording import Recording
 from sim.truth import Truth
 
 
@@ -30,8 +30,7 @@ def make_system(
 ) -> tuple[Detector, Tracker[Any]]:
     """Detector (background not learnt yet) and tracker for these cameras.
 
-    detections: looked up instead of detected. The answers of a plug-in are checked, except those of
-    a PJPDAF, whose stages the oracle replaces.
+    detections: looked up instead of detected. The answers of a plug-in are checked.
     """
     detector: Detector
     if detections is not None:
@@ -42,7 +41,7 @@ def make_system(
             name = f"detector {system.detector!r}"
             detector = CheckedDetector(name, detector, len(rig.cameras))
     tracker = make_tracker(system.tracker, rig.cameras, system.tracker_settings)
-    if not isinstance(tracker, PJPDAF):
+    if system.tracker not in PRESETS:
         tracker = checked_tracker(f"tracker {system.tracker!r}", tracker)
     return detector, tracker
 
@@ -54,7 +53,7 @@ def play(job: Job) -> Episode:
     """
     with open_footage(job) as footage:
         detector, tracker = make_system(job.system, footage.calibration, job.detections)
-        return play_footage(job, footage, detector, tracker)
+        return with_origin(play_footage(job, footage, detector, tracker), footage)
 
 
 def play_complete(job: Job) -> Episode:
@@ -70,10 +69,22 @@ def complete_episode(job: Job, footage: Footage) -> Episode:
     collector = PictureCollector(
         footage.rig.cameras, footage.frame_count, pictures=job.keep_pictures, film=job.keep_film
     )
-    episode = play_footage(job, footage, detector, tracker, collector.add)
-    episode = with_blame(episode, cameras, tracker, job.system.lag)
-    episode = with_error_budget(episode, cameras, tracker)
-    return collector.added_to(episode)
+    seen: list[tuple[Detections, ...]] = []  # with the looks, which the episode does not keep
+
+    def keep(step: FollowedFrame, truth: Truth) -> None:
+        seen.append(tuple(replace(view, mask=None) for view in step.detections))
+        collector.add(step, truth)
+
+    episode = play_footage(job, footage, detector, tracker, keep)
+    episode = with_blame(episode, cameras, tracker, seen, job.system.lag)
+    episode = with_error_budget(episode, cameras, tracker, seen, job.system.lag)
+    return with_origin(collector.added_to(episode), footage)
+
+
+def with_origin(episode: Episode, footage: Footage) -> Episode:
+    """The episode with the origin of its pictures."""
+    replayed = isinstance(footage, Recording)
+    return replace(episode, renderer=footage.renderer, replayed=replayed)
 
 
 def play_footage(

@@ -14,8 +14,12 @@ from pjpdaf.presets.names import DEFAULT_PRESET
 from reports.page.page import write_page
 from reports.run.rows import EpisodeRows
 from reports.run.save import check_free
+from reports.summary.budget import budget_of
+from reports.summary.causes import blame_lines, budget_line
 from reports.summary.tables import rich_table, summarise
 from reports.summary.text import count
+from scenarios.cache.report import origin_line
+from scenarios.cache.settings import cache_settings
 from scenarios.console.folder import default_folder
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
 from scenarios.console.progress import progress_bar
@@ -96,12 +100,19 @@ def _play_and_save(
     )
     out = Console()
     out.print(rich_table(summarise(saved)))
+    for line in blame_lines(saved.events):
+        out.print(f"to blame for {line}", highlight=False)
+    if (budget := budget_of(saved)) is not None:
+        out.print(budget_line(budget), highlight=False)
     frames = sum(row.frame_count for row in played.rows)
     out.print(
         f"{count(len(played.rows), 'episode')}, {count(frames, 'stereo frame')} in {wall_s:.0f} s "
         f"({frames / wall_s:.1f} a second, {workers} workers)",
         highlight=False,
     )
+    settings = cache_settings() if request.plan.use_cache else None
+    if origin := origin_line(played.rows, settings):
+        out.print(origin, highlight=False, soft_wrap=True)
     if request.slim:
         out.print(f"slim run: {folder}", highlight=False, soft_wrap=True)
     else:

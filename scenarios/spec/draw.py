@@ -132,15 +132,9 @@ def perform(
     fault: str | None = None
     for redraw in range(MAX_DRAWS):
         try:
-            performance = _perform_draw(scenario, seed, overrides, redraw)
-            for name in scenario.twins:
-                twin = load_scenario(name)
-                shared = {k: v for k, v in overrides.items() if k in (*twin.parameters, *SETTINGS)}
-                _perform_draw(twin, seed, shared, redraw)
+            return _accepted(scenario, seed, overrides, redraw)
         except Unposable as reason:
             fault = fault or str(reason)
-        else:
-            return performance
     raise Unposable(
         f"{scenario.name} seed {seed}: none of {MAX_DRAWS} draws can be posed; the first: {fault}"
     )
@@ -150,6 +144,26 @@ def _perform_draw(
     scenario: Scenario, seed: int, overrides: Mapping[str, Value], redraw: int
 ) -> Performance:
     """Make the performance of a draw. Raises Unposable where a person could not perform it."""
+    performance = unjudged(scenario, seed, overrides, redraw)
+    fault = judged(performance)
+    if fault is not None:
+        raise Unposable(fault)
+    return performance
+
+
+def unjudged(
+    scenario: Scenario,
+    seed: int,
+    overrides: Mapping[str, Value] | None = None,
+    redraw: int = 0,
+) -> Performance:
+    """Make the performance of a draw, whether or not a person could perform it (`judged`).
+
+    A hundred times as fast as `perform`: for those who play many draws and judge few.
+    redraw: as in `concrete`. Raises BenchError for values that cannot be played, and Unposable for
+    a plan that has no motion at all.
+    """
+    overrides = dict(overrides or {})
     values = in_si(scenario, concrete(scenario, seed, overrides, redraw))
     fps = setting_of(scenario, overrides, "fps")
     frames = int(setting_of(scenario, overrides, "frames"))
@@ -157,18 +171,12 @@ def _perform_draw(
     def streams(name: str) -> np.random.Generator:
         return _generator(scenario, seed, redraw, f"motion/{name}")
 
-    duration_s = max(frames / fps, 1.0)
+    duration_s = _duration_s(frames, fps)
     extras = person_and_room.extras_of(values, streams, duration_s)
     scene = scene_of(scenario, values, extras)
     stage = Stage(scene=scene, values=values, streams=streams, duration_s=duration_s)
     plan = FAMILIES[scenario.motion.kind].plan(stage)
     performer = Performer(scene, with_opening(stage, plan, str(values["start"])))
-    # The draw is judged here, not in the middle of a sequence, and alike at any frame rate.
-    moments = min(MOST_JUDGED, math.ceil(JUDGED_HZ * duration_s) + 1)
-    judged = np.linspace(0.0, duration_s, moments)
-    fault = fault_of(performer, judged.tolist())
-    if fault is not None:
-        raise Unposable(fault)
     return Performance(
         scene=scene,
         script=WithExtras(performer, extras) if extras.tracks else performer,
@@ -179,3 +187,47 @@ def _perform_draw(
         learnt=extras.learnt,
         redrawn=redraw,
     )
+
+
+def judged(performance: Performance) -> str | None:
+    """The reason why a person could not make a performance of `unjudged`, or None.
+
+    Twins are not looked at (`fault_of_draw`). The poses are judged, not the frames: alike at any
+    frame rate.
+    """
+    script = performance.script
+    performer = script.script if isinstance(script, WithExtras) else script
+    assert isinstance(performer, Performer)
+    duration_s = _duration_s(performance.frames, performance.fps)
+    moments = min(MOST_JUDGED, math.ceil(JUDGED_HZ * duration_s) + 1)
+    return fault_of(performer, np.linspace(0.0, duration_s, moments).tolist())
+
+
+def fault_of_draw(
+    scenario: Scenario,
+    seed: int,
+    overrides: Mapping[str, Value] | None = None,
+    redraw: int = 0,
+) -> str | None:
+    """The reason why `perform` would reject this draw, by itself or by a twin's, or None."""
+    try:
+        _accepted(scenario, seed, dict(overrides or {}), redraw)
+    except Unposable as reason:
+        return str(reason)
+    return None
+
+
+def _accepted(
+    scenario: Scenario, seed: int, overrides: Mapping[str, Value], redraw: int
+) -> Performance:
+    """The performance of a draw. Raises Unposable where it, or a twin's, cannot be performed."""
+    performance = _perform_draw(scenario, seed, overrides, redraw)
+    for name in scenario.twins:
+        twin = load_scenario(name)
+        shared = {k: v for k, v in overrides.items() if k in (*twin.parameters, *SETTINGS)}
+        _perform_draw(twin, seed, shared, redraw)
+    return performance
+
+
+def _duration_s(frames: int, fps: float) -> float:
+    return max(frames / fps, 1.0)

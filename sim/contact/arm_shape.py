@@ -43,12 +43,12 @@ SHARE_OF_BAR = np.array([1.0] * _HAND_BARS + [0.125, 0.375, 0.625, 0.86, 0.335, 
 
 
 @dataclass(frozen=True, eq=False)
-class _Digits:
+class Digits:
     """A right hand's thumb and fingers, 5 of 3 segments, ready to be bent.
 
     bases_m (5, 3): first joints; ahead, up (5, 3): x and z of the straight fingers; lengths_m,
-    radii_m (5, 3); straight_rad, more_rad (5, 3): how far a segment is turned about y from the
-    finger's frame at curl 0, and how much further at 1.
+    radii_m (5, 3), joint_radii_m (5, 4); straight_rad, more_rad (5, 3): how far a segment is turned
+    about y from the finger's frame at curl 0, and how much further at 1.
     """
 
     bases_m: Floats
@@ -56,6 +56,7 @@ class _Digits:
     up: Floats
     lengths_m: Floats
     radii_m: Floats
+    joint_radii_m: Floats
     straight_rad: Floats
     more_rad: Floats
 
@@ -66,19 +67,29 @@ class _Digits:
         bones = np.concatenate([self.bases_m[:, None], self.lengths_m[..., None] * along], axis=1)
         return np.cumsum(bones, axis=1)
 
+    def joints_over(self, curls: Floats) -> Floats:
+        """The joints (F, 5, 4, 3) [m] for the curls (F, 5) of F moments."""
+        turned = (self.straight_rad + curls[..., None] * self.more_rad)[..., None]
+        along = np.cos(turned) * self.ahead[:, None] - np.sin(turned) * self.up[:, None]
+        reach = np.cumsum(self.lengths_m[..., None] * along, axis=-2)
+        bases = np.broadcast_to(self.bases_m[:, None], (*reach.shape[:-2], 1, 3))
+        return np.concatenate([bases, bases + reach], axis=-2)
+
 
 @lru_cache(maxsize=64)
-def _digits(anatomy: Anatomy) -> _Digits:
+def digits_of(anatomy: Anatomy) -> Digits:
+    """The digits of a right hand."""
     drawn = fingers(anatomy)
     radii = np.array([finger.radii_m for finger in drawn])
     straight = np.array([joint_angles(finger, 0.0) for finger in drawn])
     fist = np.array([joint_angles(finger, 1.0) for finger in drawn])
-    return _Digits(
+    return Digits(
         bases_m=np.array([finger.base_m for finger in drawn]),
         ahead=np.array([finger.rotation[:, 0] for finger in drawn]),
         up=np.array([finger.rotation[:, 2] for finger in drawn]),
         lengths_m=np.array([finger.lengths_m for finger in drawn]),
         radii_m=0.5 * (radii[:, :-1] + radii[:, 1:]),
+        joint_radii_m=radii,
         straight_rad=np.cumsum(straight, axis=1),
         more_rad=np.cumsum(fist - straight, axis=1),
     )
@@ -90,7 +101,7 @@ def _hand_capsules(anatomy: Anatomy, side: int, curls: tuple[float, ...]) -> Cap
     long = anatomy.wrist_to_palm_m / _AVERAGE_PALM_M
     across, near, far = np.array(_PALM_BARS).T
     lies = np.full(len(across), -0.001)
-    digits = _digits(anatomy)
+    digits = digits_of(anatomy)
     joints = digits.joints(np.array(curls))
     mirror = np.array([1.0, -OUTWARD[side], 1.0])  # drawn for the right hand, thumb at +y
     starts, ends = (
@@ -109,6 +120,18 @@ def _hand_capsules(anatomy: Anatomy, side: int, curls: tuple[float, ...]) -> Cap
             "radii",
         ),
     )
+
+
+def palm_bars(anatomy: Anatomy) -> Capsules:
+    """The 4 bars of the right palm, hand frame."""
+    broad = anatomy.hand_breadth_m / _AVERAGE_BREADTH_M
+    long = anatomy.wrist_to_palm_m / _AVERAGE_PALM_M
+    across, near, far = np.array(_PALM_BARS).T
+    starts, ends = (
+        np.column_stack([reach * long, across * broad, np.full(len(across), -0.001)])
+        for reach in (near, far)
+    )
+    return Capsules(starts, ends, np.full(len(across), _PALM_RADIUS * broad))
 
 
 def hand_capsules(anatomy: Anatomy, side: int, curls: Floats) -> Capsules:

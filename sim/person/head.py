@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
-from pjpdaf.arrays import Floats
+from pjpdaf.arrays import Floats, readonly
 from sim.anatomy import Anatomy
 from sim.specs import Appearance
 from sim.surfaces.shapes import Surface, capped, closed_grid, interpolate
@@ -12,6 +14,7 @@ from sim.surfaces.textures import Texture, soft, to_bytes, value_noise
 
 RINGS, SIDES = 44, 52
 HAIR = ("short", "long", "bald")
+_DIRECTIONS = 160  # in which an outline is followed
 EYE_Y, EYE_Z = 0.0325, 0.006  # of an average head; all features scale with the head's size
 LIP_TINT = np.array([0.88, 0.79, 0.79])  # times the skin: keeps hue and saturation inside skin's
 _AVERAGE = (0.099, 0.0761, 0.1127)  # half depth, breadth, height [m] the features are drawn for
@@ -28,10 +31,7 @@ def hair_surface(anatomy: Anatomy) -> Surface:
     theta, phi = _angles(RINGS - 8, SIDES - 7)
     points = _face(theta, phi, features=False)
     x, y, z = np.moveaxis(points, -1, 0)
-    knots = np.array([-0.105, -0.05, -0.015, 0.02, 0.055, 0.085, 0.105])
-    line = np.interp(x, knots, [-0.075, -0.06, -0.012, 0.022, 0.058, 0.075, 0.08])
-    line = line + 0.0025 * np.sin(230 * y) + 0.004 * np.cos(90 * (y - 0.02))
-    grows = soft(z - line, 0.009)
+    grows = soft(z - _hairline(x, y), 0.009)
     out = points / np.linalg.norm(points, axis=-1, keepdims=True)
     lift = 0.012 + 0.004 * np.clip(z / 0.1, 0, 1)
     return closed_grid(
@@ -39,21 +39,82 @@ def hair_surface(anatomy: Anatomy) -> Surface:
     )
 
 
+def _hairline(x: Floats, y: Floats) -> Floats:
+    """Height above which hair grows on the average head [m]."""
+    knots = np.array([-0.105, -0.05, -0.015, 0.02, 0.055, 0.085, 0.105])
+    line = np.interp(x, knots, [-0.075, -0.06, -0.012, 0.022, 0.058, 0.075, 0.08])
+    return np.asarray(line + 0.0025 * np.sin(230 * y) + 0.004 * np.cos(90 * (y - 0.02)))
+
+
+# Long hair: height, half depth and half breadth outside, thickness, azimuth at which it begins.
+_CURTAIN = np.array(
+    [
+        [-0.135, 0.098, 0.091, 0.010, 0.92],
+        [-0.110, 0.108, 0.097, 0.020, 0.98],
+        [-0.060, 0.114, 0.095, 0.023, 1.10],
+        [0.000, 0.114, 0.090, 0.022, 1.25],
+        [0.040, 0.104, 0.084, 0.018, 1.32],
+        [0.080, 0.080, 0.062, 0.012, 1.50],
+    ]
+)
+
+
+@lru_cache(maxsize=8)
+def _average_outline(hair: str) -> tuple[Floats, Floats]:
+    theta, phi = _angles(60, 73)
+    points = _face(theta, phi).reshape(-1, 3)
+    x, y, z = points.T
+    plain = _face(theta, phi, features=False).reshape(-1, 3)
+    bare = np.ones(len(points), dtype=bool)
+    if hair != "bald":
+        bare = plain[:, 2] < _hairline(plain[:, 0], plain[:, 1])
+        # The nape is behind jaw and collar.
+        bare &= x > -0.03
+    if hair == "long":
+        bare &= np.abs(np.arctan2(y, x)) < np.interp(z, _CURTAIN[:, 0], _CURTAIN[:, 4])
+    covered = points[~bare] + 0.013 * points[~bare] / np.linalg.norm(
+        points[~bare], axis=1, keepdims=True
+    )
+    if hair == "long":
+        falls = _CURTAIN[:, :3]
+        turn = np.linspace(1.2, 2 * np.pi - 1.2, 12)
+        ring = np.stack(
+            [
+                falls[:, 1:2] * np.cos(turn),
+                falls[:, 2:3] * np.sin(turn),
+                np.broadcast_to(falls[:, :1], (len(falls), len(turn))),
+            ],
+            axis=-1,
+        )
+        covered = np.concatenate([covered, ring.reshape(-1, 3)])
+    return (
+        readonly(_extremes(points[bare]), (None, 3), "bare"),
+        readonly(_extremes(covered), (None, 3), "hair"),
+    )
+
+
+def _extremes(points: Floats) -> Floats:
+    """The points (m, 3) of (n, 3) that lie outermost in one of _DIRECTIONS directions."""
+    if not len(points):
+        return points
+    index = np.arange(_DIRECTIONS) + 0.5
+    z = 1.0 - 2.0 * index / _DIRECTIONS
+    turn = np.pi * (1.0 + 5**0.5) * index  # a golden spiral over the sphere
+    flat = np.sqrt(1.0 - z * z)
+    ways = np.column_stack([flat * np.cos(turn), flat * np.sin(turn), z])
+    return np.asarray(points[np.unique((points @ ways.T).argmax(axis=0))])
+
+
+def outline_points(anatomy: Anatomy, hair: str) -> tuple[Floats, Floats]:
+    """Points (n, 3) on the bare face, and (m, 3) on the hair, head frame; none of a bald head."""
+    bare, covered = _average_outline(hair)
+    return _scaled(bare, anatomy), _scaled(covered, anatomy)
+
+
 def curtain_surface(anatomy: Anatomy) -> Surface:
     """Long hair: it falls from the temples and the back of the head to the collar."""
     z = np.linspace(0.075, -0.132, 16)
-    # height, half depth and half breadth outside, thickness, azimuth at which it begins
-    table = np.array(
-        [
-            [-0.135, 0.098, 0.091, 0.010, 0.92],
-            [-0.110, 0.108, 0.097, 0.020, 0.98],
-            [-0.060, 0.114, 0.095, 0.023, 1.10],
-            [0.000, 0.114, 0.090, 0.022, 1.25],
-            [0.040, 0.104, 0.084, 0.018, 1.32],
-            [0.080, 0.080, 0.062, 0.012, 1.50],
-        ]
-    )
-    depth, breadth, thickness, begin = interpolate(table, z).T[..., None]
+    depth, breadth, thickness, begin = interpolate(_CURTAIN, z).T[..., None]
     there = np.linspace(0, 1, 34)
     turn = begin + (2 * np.pi - 2 * begin) * there
     # Strands, fuller towards the ends; the rims are drawn in, so that they are round.

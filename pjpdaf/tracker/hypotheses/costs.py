@@ -100,6 +100,11 @@ def joint_cost(
     for left, right in {(int(a), int(b)) for a, b in pairs.blob[plain]}:
         if left != heads[0] and right != heads[1]:
             joint += c.unexplained * _unused(pairs, left, right, face=False)
+    single = ((pairs.part == WHOLE) | (pairs.part == -1)).all(axis=1)
+    single &= (pairs.blob < 0).any(axis=1)
+    single &= area_cost(pairs, hand_area_m2, c) < HANDLIKE_COST[0]
+    for left, right in {(int(a), int(b)) for a, b in pairs.blob[single]}:
+        joint += c.unexplained_single * _unused(pairs, left, right, face=False)
     beside = (pairs.part == BESIDE).all(axis=1)
     for left, right in {(int(a), int(b)) for a, b in pairs.blob[beside]}:
         joint += 0.5 * c.unexplained * _unused(pairs, left, right, face=True)
@@ -108,7 +113,8 @@ def joint_cost(
 
 def _unused(pairs: Pairs, left: int, right: int, face: bool) -> Floats:
     """1 where neither choice uses these blobs, (n + 2, n + 2); face: 'at the face' uses them."""
-    used = (pairs.blob[:, 0] == left) | (pairs.blob[:, 1] == right)
+    used = (pairs.blob[:, 0] == left) & (left >= 0)
+    used |= (pairs.blob[:, 1] == right) & (right >= 0)
     uses = np.concatenate([used, [face, False]])
     return np.asarray(~(uses[:, None] | uses[None, :]), dtype=np.float64)
 

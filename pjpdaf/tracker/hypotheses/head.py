@@ -24,7 +24,6 @@ RESIDUAL_PX = 6.0  # rms, of two views that agree
 MERGED_PX = 4.0, 1.5  # deviations of a merged head's centre: common to the views, between them
 ALONG_RAY_M = 0.1
 CROWN_M = 0.157  # height of the hair's top above the centre of the skin, of an average person
-CROWN_SHARE = 0.74  # by which the skin's centre is lower where the hair begins lower, fitted
 CROWNS_M = 0.10, 0.22  # of people
 
 
@@ -50,15 +49,24 @@ class HeadTrack:
         How far it is above the centre of the skin goes with how much the hair hides.
         """
         right, down, away = p.offsets.head_offset_m
-        down -= CROWN_SHARE * (self.crown_m - CROWN_M)
+        down -= p.offsets.crown_share * (self.crown_m - CROWN_M)
         return np.asarray(self.mean + np.array([right, down, away]) @ axes)
 
 
 def follow_head(
-    track: HeadTrack, seen: tuple[Blobs, ...], views: Views, dt_s: float, p: HypothesisParameters
+    track: HeadTrack,
+    seen: tuple[Blobs, ...],
+    views: Views,
+    dt_s: float,
+    p: HypothesisParameters,
+    known_m: Floats | None = None,
 ) -> tuple[HeadTrack, tuple[HeadPlace | None, ...]]:
-    """The head one frame later, and its place in each view, None where it is not seen."""
-    places = head_places(track, seen, views)
+    """The head one frame later, and its place in each view, None where it is not seen.
+
+    known_m (3,): where it is looked for in place of the prediction.
+    """
+    looked_for = track if known_m is None else replace(track, mean=known_m)
+    places = head_places(looked_for, seen, views)
     sighting = _sighting(track, places, views, p)
     m = p.motion
     if sighting is None:

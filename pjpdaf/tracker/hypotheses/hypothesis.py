@@ -17,6 +17,7 @@ MOTION_COST_MOST = 16.0
 SAME_M = 0.03  # hypotheses closer than this along each axis are one
 REFERENCE_SD_M = 0.03  # a hand seen where it was expected, this well, costs nothing
 LARGEST_VARIANCE_M2 = 0.25
+SHOWN_M = 0.10  # a sighting this near to where a hand is known to be shows it
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,13 +58,34 @@ class Sightings:
     face_cost: float
 
 
+def nearest_choices(seen: Sightings, hands_m: Floats, held_m: Floats) -> tuple[int, int]:
+    """The choices (right, left) nearest to where the hands (2, 3) are known to be.
+
+    A pair that shows the hand comes before the place where the hand was last seen, held_m (2, 3),
+    however near that is.
+    """
+    n = len(seen.pairs)
+    chosen = []
+    for hand, held in zip(hands_m, held_m, strict=True):
+        places = np.concatenate([seen.pairs.points_m, seen.face_m[None], held[None]])
+        distance = np.linalg.norm(places - hand, axis=1)
+        shown = n > 0 and distance[:n].min() < SHOWN_M
+        chosen.append(int(distance[: n if shown else n + 2].argmin()))
+    return chosen[0], chosen[1]
+
+
 def grow(
-    hypotheses: tuple[Hypothesis, ...], seen: Sightings, dt_s: float, p: HypothesisParameters
+    hypotheses: tuple[Hypothesis, ...],
+    seen: Sightings,
+    dt_s: float,
+    p: HypothesisParameters,
+    only: tuple[int, int] | None = None,
 ) -> tuple[tuple[Hypothesis, ...], tuple[int, int]]:
     """The likeliest hypotheses one frame later, and the choices (right, left) of the first.
 
     Each hypothesis goes on with every pair of choices; the best `hypotheses` of all are kept, those
-    of equal places once. Costs are shifted so that the smallest is 0.
+    of equal places once. Costs are shifted so that the smallest is 0. only: the choices of right
+    and left where they are known.
     """
     points = np.concatenate([seen.pairs.points_m, seen.face_m[None]])
     C = np.concatenate([seen.pairs.covariances_m2, np.eye(3)[None] * p.noise.face_m**2])
@@ -76,6 +98,10 @@ def grow(
     base = np.array([h.cost for h in hypotheses])[:, None, None] + seen.joint[None]
     base = base + each[:, 0, :, None] + each[:, 1, None, :]
     total = base + kept[:, None, None] + sleeve[None]
+    if only is not None:
+        ruled_out = np.full(seen.joint.shape, np.inf)
+        ruled_out[only] = 0.0
+        total = total + ruled_out
     flat = total.ravel()
     count = min(4 * p.hypotheses + 8, flat.size)
     best = np.argpartition(flat, count - 1)[:count]

@@ -10,6 +10,7 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
 from pjpdaf.interfaces import Detections, Estimates
+from pjpdaf.known_targets import KnownTargets
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.candidates import WHOLE, HeadPlace, candidates
 from pjpdaf.tracker.hypotheses.costs import (
@@ -21,7 +22,14 @@ from pjpdaf.tracker.hypotheses.costs import (
 )
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.head import HeadTrack, follow_head
-from pjpdaf.tracker.hypotheses.hypothesis import FORBIDDEN, Hypothesis, Sightings, grow
+from pjpdaf.tracker.hypotheses.head_pieces import join_head
+from pjpdaf.tracker.hypotheses.hypothesis import (
+    FORBIDDEN,
+    Hypothesis,
+    Sightings,
+    grow,
+    nearest_choices,
+)
 from pjpdaf.tracker.hypotheses.lag import Past, look_back
 from pjpdaf.tracker.hypotheses.motion import spread
 from pjpdaf.tracker.hypotheses.opening import open_tracks
@@ -101,9 +109,48 @@ class HypothesisTracker:
         self, state: HypothesisState, detections: tuple[Detections, ...], dt_s: float, /
     ) -> tuple[HypothesisState, Estimates]:
         """Return the state and the estimates after the next frame, dt_s later."""
+        return self._step(state, detections, dt_s, None)
+
+    def step_associated(
+        self,
+        state: HypothesisState,
+        detections: tuple[Detections, ...],
+        known: KnownTargets,
+        dt_s: float,
+        /,
+    ) -> tuple[HypothesisState, Estimates]:
+        """Step with the blob of the head and the choices of the hands that are nearest to known."""
+        return self._step(state, detections, dt_s, self._surfaces(state, known))
+
+    def expecting(
+        self, state: HypothesisState, known: KnownTargets, dt_s: float, /
+    ) -> HypothesisState:
+        """Return the state with the likeliest hypothesis alone, moved to the known targets."""
+        surfaces = self._surfaces(state, known)
+        hands = replace(state.hypotheses[0], means=surfaces[1:])
+        return replace(state, head=replace(state.head, mean=surfaces[0]), hypotheses=(hands,))
+
+    def _surfaces(self, state: HypothesisState, known: KnownTargets) -> Floats:
+        """Where the tracker sees known targets (3, 3) [m]: centres less the modelled offsets."""
+        p, axes = self.parameters, self.views.axes
+        head = state.head.centre(axes, p) - state.head.mean
+        hand = np.array(p.offsets.hand_offset_m) @ axes
+        return np.asarray(known.positions_m - np.array([head, hand, hand]))
+
+    def _step(
+        self,
+        state: HypothesisState,
+        detections: tuple[Detections, ...],
+        dt_s: float,
+        known_m: Floats | None,
+    ) -> tuple[HypothesisState, Estimates]:
+        """Step; known_m (3, 3) [m]: visible surfaces to be chosen, None: what is likeliest."""
         p = self.parameters
         seen = tuple(Blobs.of(view) for view in detections)
-        head, places = follow_head(state.head, seen, self.views, dt_s, p)
+        if p.candidates.join_head:
+            seen = join_head(state.head, seen, self.views)
+        head_m = None if known_m is None else known_m[0]
+        head, places = follow_head(state.head, seen, self.views, dt_s, p, head_m)
         pairs = self._pairs(state, seen, places, head)
         away, down = self.views.axes[2], self.views.axes[1]
         hidden = any(place is not None and not place.free for place in places) or head.unseen_s > 0
@@ -115,7 +162,10 @@ class HypothesisTracker:
             head.mean - BEFORE_FACE_M * away + BELOW_FACE_M * down,
             p.costs.face if hidden else FORBIDDEN,
         )
-        grown, chosen = grow(state.hypotheses, sightings, dt_s, p)
+        only = None
+        if known_m is not None:
+            only = nearest_choices(sightings, known_m[1:], state.hypotheses[0].means)
+        grown, chosen = grow(state.hypotheses, sightings, dt_s, p, only)
         estimates = read_out(head, grown, state.estimates, self.views, dt_s, p)
         after = HypothesisState(
             head,
@@ -151,7 +201,8 @@ class HypothesisTracker:
             for v, (view, place) in enumerate(zip(seen, places, strict=True))
         )
         expected = np.concatenate([h.means for h in state.hypotheses])
-        pairs = pair_candidates(self.views, (one, two), expected, p.noise, p.costs)
+        cut = seen if p.candidates.cut_hands else None
+        pairs = pair_candidates(self.views, (one, two), expected, p.noise, p.costs, cut)
         away = (pairs.points_m - head.mean) @ self.views.axes[2]
         pairs = pairs[(away < BEHIND_M) & (away > -BEFORE_M)]
         extra = piece_cost(pairs, head.mean, self.views.axes, p.costs)

@@ -213,6 +213,16 @@ class TooSure(Tracker):
         return after, changed(estimates, exchange_probability=1.5)
 
 
+class AssociatesAlone(Tracker):
+    def step_associated(self, state, seen, known, dt_s):
+        return self.inner.step_associated(state, seen, known, dt_s)[1]
+
+
+class ExpectsNothing(Tracker):
+    def expecting(self, state, known, dt_s):
+        return None
+
+
 class NoPredict:
     start = step = estimates = print
 
@@ -243,6 +253,8 @@ class NoPredict:
         (LooksBackWrongly, "smoothed(one state): differs from the estimates of this state"),
         (TooSure, "step: raises ValueError: Estimates.exchange_probability must be from 0 to 1"),
         (Random, "two trackers of the same factory: differ"),
+        (AssociatesAlone, "step_associated: must return (state, Estimates)"),
+        (ExpectsNothing, "step after expecting: raises AttributeError"),
         (BlindToGaps, "step(no detections, dt 0.033 s): raises AssertionError: no blobs"),
     ],
 )

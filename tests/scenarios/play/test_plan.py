@@ -74,3 +74,9 @@ def test_a_fault_of_the_request_is_one_line(changes, message):
         plan(PlanRequest(**{"targets": ("cross",), "seeds": 1, **changes}))
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_all_jobs_use_the_cache_or_none():
+    for use_cache in (True, False):
+        jobs = plan(PlanRequest(targets=("cross", "drink"), seeds=2, use_cache=use_cache))
+        assert [job.use_cache for job in jobs] == [use_cache] * 4

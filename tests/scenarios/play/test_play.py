@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
+from reports.score.records import BUDGET_LEVELS
 from scenarios.play.blame import blame
 from scenarios.play.error_budget import error_budget
 from scenarios.play.footage import open_footage
@@ -54,15 +55,23 @@ def test_what_is_added_changes_no_frame(bare, complete):
     assert bare.values == complete.values
 
 
-def test_blame_and_budget_are_those_of_the_bare_episode(bare, complete):
+def test_blame_and_budget_are_those_of_the_bare_episode_with_its_looks(bare, complete):
+    looks = []
     with open_footage(JOB) as footage:
         cameras = footage.calibration.cameras
-        _, tracker = make_system(JOB.system, footage.calibration)
-    assert complete.blame == blame(bare, cameras, tracker)
-    budget = error_budget(bare, cameras, tracker)
-    assert complete.budget_m.keys() == budget.keys()
+        system = make_system(JOB.system, footage.calibration)
+        play_footage(JOB, footage, *system, lambda step, truth: looks.append(step.detections))
+    assert complete.blame == blame(bare, cameras, system[1], looks)
+    budget = error_budget(bare, cameras, system[1], looks)
+    assert tuple(complete.budget_m) == tuple(budget) == BUDGET_LEVELS
     for level, errors in budget.items():
         np.testing.assert_array_equal(complete.budget_m[level], errors)
+    errors = complete.budget_m["association"]
+    assert np.isfinite(errors).any()
+    positions = np.stack([outcome.estimates.positions_m for outcome in complete.frames])
+    centres = np.stack([outcome.truth.centres_m for outcome in complete.frames])
+    made = np.isfinite(errors)
+    np.testing.assert_allclose(errors[made], np.linalg.norm(positions - centres, axis=2)[made])
 
 
 def test_pictures_are_of_chosen_frames_and_the_film_of_all(complete):

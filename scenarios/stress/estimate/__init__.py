@@ -1,0 +1,1 @@
+"""The probability of a failure under the nominal distribution, with its interval."""

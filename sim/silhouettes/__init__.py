@@ -1,0 +1,1 @@
+"""Silhouettes of a performance without rendering: projected shapes, painted by depth."""

@@ -1,0 +1,239 @@
+"""Outlines of shapes in a camera's picture, over the frames of a sequence, in order of depth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from pjpdaf.arrays import Floats
+from pjpdaf.camera import Camera
+from sim.silhouettes.shapes import TARGET_PAINT, Bars, Hull
+
+SHIFT = 4  # binary digits of a pixel's fraction, as `cv2.fillConvexPoly` takes them
+# It fills every pixel that an outline touches: half a pixel more on all sides.
+_BORDER_PX = 0.5
+_THINNEST_PX = 0.05
+_NEAREST_M = 0.05  # nearer than this a shape is not painted
+_END = np.linspace(0.5 * np.pi, 1.5 * np.pi, 6)
+_BULGE = np.array([1.0, *[1.0427] * 4, 1.0])  # corners lie outside the circle: its area is kept
+_COS, _SIN = _BULGE * np.cos(_END), _BULGE * np.sin(_END)
+_BETWEEN_M = 1e-4  # of depth, between a flat body and bars before and behind it
+_FAR = 1 << 20  # a pixel that no picture has
+
+
+@dataclass(frozen=True, eq=False)
+class Outlines:
+    """Outlines of n bars and h hulls over F frames, in a picture reduced by step_px.
+
+    bars (F, n, 12, 2), hulls (h) of (F, k, 2): int32 pixels times 2^SHIFT, of which the hulls' are
+    points whose convex hull is the outline; paints (n + h,); depths_m (F, n + h); boxes (F, n + h,
+    4): left, top, right, bottom [reduced px]; size: height, width of the picture.
+    order: (F) of the shapes to paint, farthest first.
+    """
+
+    bars: NDArray[np.int32]
+    hulls: tuple[NDArray[np.int32], ...]
+    paints: list[int]
+    depths_m: Floats
+    boxes: Floats
+    order: tuple[list[int], ...]
+    size: tuple[int, int]
+    step_px: int
+
+
+def reduced_camera(camera: Camera, step_px: int) -> Camera:
+    """The camera of the picture reduced by a whole number, without its lens distortion."""
+    K = np.array(camera.K)
+    K[:2] /= step_px
+    K[:2, 2] += 0.5 / step_px - 0.5
+    return Camera(
+        K, camera.R_cw, camera.t_cw, camera.width_px // step_px, camera.height_px // step_px
+    )
+
+
+def outlines_of(
+    bars: Bars,
+    hulls: list[Hull],
+    camera: Camera,
+    step_px: int,
+    everything: bool = True,
+    hidden: NDArray[np.bool_] | None = None,
+) -> Outlines:
+    """Project shapes into a picture of the camera that is reduced by step_px.
+
+    everything: paint all shapes; else only targets, other skin and what may cover them.
+    hidden (F, n): bars that are not to be seen.
+    """
+    small = reduced_camera(camera, step_px)
+    bar_pixels, bar_depths, bar_boxes = _project_bars(bars, small)
+    depths, boxes = [bar_depths], [bar_boxes]
+    pixels = []
+    for hull in hulls:
+        points, depth, box = _project_hull(hull, small)
+        pixels.append(points)
+        depths.append(depth[:, None])
+        boxes.append(box[:, None])
+    depths_m, all_boxes = np.concatenate(depths, axis=1), np.concatenate(boxes, axis=1)
+    for index, hull in enumerate(hulls, start=len(bars.paints)):
+        if hull.normals is not None:
+            _order_by_plane(depths_m, all_boxes, bars, hull, index, camera)
+    paints = np.concatenate([bars.paints, np.array([h.paint for h in hulls], np.uint8)])
+    size = (small.height_px, small.width_px)
+    wanted = _inside(all_boxes, size) & (depths_m > _NEAREST_M)
+    if hidden is not None:
+        wanted[:, : hidden.shape[1]] &= ~hidden
+    if not everything:
+        wanted &= _matters(paints, depths_m, all_boxes)
+    order = tuple(
+        by_depth[chosen[by_depth]].tolist()
+        for by_depth, chosen in zip(
+            np.argsort(-depths_m, axis=1, kind="stable"), wanted, strict=True
+        )
+    )
+    return Outlines(
+        bar_pixels, tuple(pixels), paints.tolist(), depths_m, all_boxes, order, size, step_px
+    )
+
+
+def paint(outlines: Outlines, frame: int, canvas: NDArray[np.uint8]) -> None:
+    """Paint the frame's shapes over the canvas (h, w), the nearest last."""
+    bars, paints = outlines.bars[frame], outlines.paints
+    count, fill = len(bars), cv2.fillConvexPoly
+    for index in outlines.order[frame]:
+        if index < count:
+            fill(canvas, bars[index], paints[index], cv2.LINE_8, SHIFT)
+        else:
+            points = cv2.convexHull(outlines.hulls[index - count][frame])
+            fill(canvas, points, paints[index], cv2.LINE_8, SHIFT)
+
+
+def paint_alone(outlines: Outlines, frame: int, shade: int, canvas: NDArray[np.uint8]) -> None:
+    """Paint only the frame's shapes of a class."""
+    bars, paints = outlines.bars[frame], outlines.paints
+    for index in outlines.order[frame]:
+        if paints[index] == shade:
+            if index < len(bars):
+                cv2.fillConvexPoly(canvas, bars[index], shade, cv2.LINE_8, SHIFT)
+            else:
+                points = cv2.convexHull(outlines.hulls[index - len(bars)][frame])
+                cv2.fillConvexPoly(canvas, points, shade, cv2.LINE_8, SHIFT)
+
+
+def _project_bars(bars: Bars, camera: Camera) -> tuple[NDArray[np.int32], Floats, Floats]:
+    """Outlines (F, n, 12, 2), depths (F, n) and boxes (F, n, 4) of bars."""
+    n = bars.starts_m.shape[1]
+    points, depth = _project(np.concatenate([bars.starts_m, bars.ends_m], axis=1), camera)
+    radii = np.concatenate([bars.start_radii_m, bars.end_radii_m])
+    radius = camera.K[0, 0] * radii / np.maximum(depth, _NEAREST_M)
+    boxes = np.concatenate([points - radius[..., None], points + radius[..., None]], axis=-1)
+    box = np.concatenate(
+        [
+            np.minimum(boxes[:, :n, :2], boxes[:, n:, :2]),
+            np.maximum(boxes[:, :n, 2:], boxes[:, n:, 2:]),
+        ],
+        axis=-1,
+    )
+    drawn = np.maximum(radius - _BORDER_PX, _THINNEST_PX)
+    along = points[:, n:] - points[:, :n]
+    length = np.sqrt((along * along).sum(axis=-1, keepdims=True))
+    u = np.where(length > 1e-6, along / np.maximum(length, 1e-6), [1.0, 0.0])
+    # The half circle behind the start, from one side to the other, and its opposite at the end.
+    arc = np.empty((*u.shape[:2], len(_END), 2))
+    arc[..., 0] = u[..., :1] * _COS - u[..., 1:] * _SIN
+    arc[..., 1] = u[..., 1:] * _COS + u[..., :1] * _SIN
+    outline = np.concatenate(
+        [
+            points[:, :n, None] + drawn[:, :n, None, None] * arc,
+            points[:, n:, None] - drawn[:, n:, None, None] * arc,
+        ],
+        axis=2,
+    )
+    return _fixed(outline), 0.5 * (depth[:, :n] + depth[:, n:]), box
+
+
+def _project_hull(hull: Hull, camera: Camera) -> tuple[NDArray[np.int32], Floats, Floats]:
+    """Points (F, k, 2), depth (F,) and box (F, 4) of a hull, drawn in by the border."""
+    points, depth = _project(hull.points_m, camera)
+    low, high = points.min(axis=1), points.max(axis=1)
+    middle = 0.5 * (low + high)[:, None]
+    extent = np.maximum(high - low, 1e-6)
+    share = np.maximum(1.0 - 2 * _BORDER_PX / extent, 0.02)[:, None]
+    drawn = middle + share * (points - middle)
+    mean = depth.mean(axis=1) - hull.nearer_m
+    return _fixed(drawn), mean, np.concatenate([low, high], axis=1)
+
+
+def _project(points_m: Floats, camera: Camera) -> tuple[Floats, Floats]:
+    """Pixels (F, n, 2), far outside where the camera cannot see them, and depths (F, n)."""
+    frames, n, _ = points_m.shape
+    at = points_m.reshape(-1, 3) @ camera.R_cw.T + camera.t_cw
+    depth = at[:, 2]
+    safe = np.where(depth > _NEAREST_M, depth, np.nan)
+    pixels = at[:, :2] / safe[:, None] * camera.K[[0, 1], [0, 1]] + camera.K[:2, 2]
+    np.nan_to_num(pixels, copy=False, nan=_FAR)
+    return pixels.reshape(frames, n, 2), depth.reshape(frames, n)
+
+
+def _order_by_plane(
+    depths_m: Floats, boxes: Floats, bars: Bars, hull: Hull, index: int, camera: Camera
+) -> None:
+    """Put the depths of bars (F, n + h) that overlap a flat hull on the right side of it."""
+    assert hull.normals is not None
+    n = len(bars.paints)
+    middle = hull.points_m.mean(axis=1)
+    normals = hull.normals[:, None]
+    bar_side = ((0.5 * (bars.starts_m + bars.ends_m) - middle[:, None]) * normals).sum(axis=-1)
+    camera_side = ((camera.centre_w - middle) * hull.normals).sum(axis=-1)[:, None]
+    own, others = boxes[:, index, None], boxes[:, :n]
+    meets = ((others[..., :2] < own[..., 2:]) & (others[..., 2:] > own[..., :2])).all(axis=-1)
+    before = bar_side * camera_side > 0.0
+    depth = depths_m[:, index, None]
+    placed = np.where(
+        before,
+        np.minimum(depths_m[:, :n], depth - _BETWEEN_M),
+        np.maximum(depths_m[:, :n], depth + _BETWEEN_M),
+    )
+    depths_m[:, :n] = np.where(meets, placed, depths_m[:, :n])
+
+
+def _fixed(pixels: Floats) -> NDArray[np.int32]:
+    return np.rint(pixels * (1 << SHIFT)).astype(np.int32)
+
+
+def _inside(boxes: Floats, size: tuple[int, int]) -> NDArray[np.bool_]:
+    height, width = size
+    return np.asarray(
+        (boxes[..., 2] > -1)
+        & (boxes[..., 3] > -1)
+        & (boxes[..., 0] < width)
+        & (boxes[..., 1] < height)
+    )
+
+
+def _matters(paints: NDArray[np.uint8], depths_m: Floats, boxes: Floats) -> NDArray[np.bool_]:
+    """Skin, and what overlaps the box of a target and is nearer than its farthest part (F, n)."""
+    target = paints >= TARGET_PAINT
+    out = np.broadcast_to(target | (paints == 3), depths_m.shape).copy()
+    for shade in np.unique(paints[target]):
+        own = paints == shade
+        low, high = boxes[:, own, :2].min(axis=1), boxes[:, own, 2:].max(axis=1)
+        far = depths_m[:, own].max(axis=1)
+        overlap = (boxes[..., 0] < high[:, :1]) & (boxes[..., 2] > low[:, :1])
+        overlap &= (boxes[..., 1] < high[:, 1:]) & (boxes[..., 3] > low[:, 1:])
+        out |= overlap & (depths_m < far[:, None])
+    return out
+
+
+def overlapped(outlines: Outlines, shade: int) -> NDArray[np.bool_]:
+    """Whether shapes of other classes may cover a class, (F,)."""
+    paints = np.array(outlines.paints)
+    own, other = paints == shade, paints != shade
+    boxes, depths = outlines.boxes, outlines.depths_m
+    low, high = boxes[:, own, :2].min(axis=1), boxes[:, own, 2:].max(axis=1)
+    over = (boxes[..., 0] < high[:, :1]) & (boxes[..., 2] > low[:, :1])
+    over &= (boxes[..., 1] < high[:, 1:]) & (boxes[..., 3] > low[:, 1:])
+    over &= depths < depths[:, own].max(axis=1)[:, None]
+    return np.asarray((over & other).any(axis=1))

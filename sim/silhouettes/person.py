@@ -1,0 +1,176 @@
+"""The person's shapes over a pose track: head, hands, sleeves, trunk."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from pjpdaf.arrays import Floats
+from pjpdaf.targets import HEAD
+from sim.anatomy import Anatomy
+from sim.contact.arm_shape import digits_of, palm_bars
+from sim.contact.capsules import Capsules
+from sim.person.geoms import HAND_TARGETS
+from sim.person.head import outline_points
+from sim.person.kinematics import OUTWARD
+from sim.person.sleeves import ELBOW_M, SHORT_SLEEVE, WRIST_M
+from sim.person.torso import COLLAR_TOP_M, torso_surface
+from sim.silhouettes.pose_track import PoseTrack
+from sim.silhouettes.shapes import BARE, CLOTHED, TARGET_PAINT, Bars, Hull, bars_of, joined
+from sim.specs import Appearance
+
+# Radii, for the average stature, at these shares of a bone, as `sim.person.sleeves` draws them [m].
+_SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
+_FORE_CLOTH = (ELBOW_M, 0.0455, 0.0415, 0.036)
+_FORE_SKIN = (0.0360, 0.0405, 0.0365, 0.0295)
+_UPPER_CLOTH = (0.0480, 0.0505, 0.0485, 0.0450, ELBOW_M)
+_UPPER_SKIN = (0.0400, 0.0425, 0.0410, 0.0375, 0.0360)
+_CUFF_M = 0.009  # a long sleeve's cuff ends this much before the wrist, flat
+_ROLLED = 0.30  # of the forearm
+_FLAT_END = 0.55  # of its radius, by which a bar is shorter than the flat end it stands for
+# Bars of the wrist of an average hand: beside the middle, along the hand.
+_WRIST_ACROSS_M, _WRIST_X_M, _WRIST_RADIUS_M = (-0.0095, 0.0095), (-0.074, -0.050), 0.0165
+# How much nearer than their mean hair and collar count: the face and the neck are before the hair,
+# the collar is before the neck.
+_HAIR_M, _COLLAR_M, _TRUNK_M = -0.08, 0.03, -0.02
+
+
+def person_bars(track: PoseTrack, anatomy: Anatomy, appearance: Appearance) -> Bars:
+    """Hands, forearms, upper arms, neck and shoulders as bars."""
+    parts = [
+        part
+        for side in (0, 1)
+        for part in (
+            _hand(track, anatomy, side),
+            *_arm(track, anatomy, appearance.sleeves, side),
+        )
+    ]
+    return joined([*parts, _neck(track, anatomy)])
+
+
+def _hand(track: PoseTrack, anatomy: Anatomy, side: int) -> Bars:
+    """Palm (4 bars), thumb and fingers (3 each)."""
+    palm, digits = _with_wrist(palm_bars(anatomy), anatomy), digits_of(anatomy)
+    joints = digits.joints_over(track.curls[:, side])
+    frames = len(joints)
+    mirror = np.array([1.0, -OUTWARD[side], 1.0])
+    ends = []
+    for fixed, chain in ((palm.starts_m, joints[:, :, :-1]), (palm.ends_m, joints[:, :, 1:])):
+        still = np.broadcast_to(fixed, (frames, *fixed.shape))
+        drawn = np.concatenate([still, chain.reshape(frames, -1, 3)], axis=1)
+        ends.append(track.hands[side].moved(mirror * drawn))
+    of_palm, of_joints = palm.radii_m, digits.joint_radii_m
+    radii = np.column_stack(
+        [
+            np.concatenate([of_palm, of_joints[:, :-1].ravel()]),
+            np.concatenate([of_palm, of_joints[:, 1:].ravel()]),
+        ]
+    )
+    return bars_of(ends[0], ends[1], radii, TARGET_PAINT + HAND_TARGETS[side])
+
+
+def _with_wrist(palm: Capsules, anatomy: Anatomy) -> Capsules:
+    """The palm's bars and two of the wrist, which shows below the cuff."""
+    broad, long = anatomy.hand_breadth_m / 0.0851, anatomy.wrist_to_palm_m / 0.0774
+    across = np.array(_WRIST_ACROSS_M) * broad
+    ends = [np.column_stack([np.full(2, x * long), across, np.zeros(2)]) for x in _WRIST_X_M]
+    return Capsules(
+        np.concatenate([palm.starts_m, ends[0]]),
+        np.concatenate([palm.ends_m, ends[1]]),
+        np.concatenate([palm.radii_m, np.full(2, _WRIST_RADIUS_M * broad)]),
+    )
+
+
+def _arm(track: PoseTrack, anatomy: Anatomy, sleeves: str, side: int) -> list[Bars]:
+    """Forearm and upper arm, clothed and bare stretches."""
+    k = anatomy.stature_m / 1.72
+    wrist = WRIST_M * anatomy.hand_breadth_m / 0.0851
+    shoulder, elbow = track.shoulders_m[:, side], track.elbows_m[:, side]
+    fore = elbow, track.wrists_m[:, side]
+    upper = shoulder, elbow
+    cloth = np.array([*(r * k for r in _FORE_CLOTH), wrist])
+    skin = np.array([*(r * k for r in _FORE_SKIN), 0.76 * wrist])
+    above, bare_above = k * np.array(_UPPER_CLOTH), k * np.array(_UPPER_SKIN)
+    cuff = 1.0 - (_CUFF_M + _FLAT_END * wrist) / anatomy.forearm_m
+    if sleeves == "long":
+        return [
+            _stretch(*upper, above, (0.1, 0.5, 1.0), CLOTHED),
+            _stretch(*fore, cloth, (0.0, 0.3, 0.65, cuff), CLOTHED),
+        ]
+    if sleeves == "rolled":
+        return [
+            _stretch(*upper, above, (0.1, 0.5, 1.0), CLOTHED),
+            _stretch(*fore, skin, (_ROLLED, 0.65, 1.0), BARE),
+            _stretch(*fore, 1.06 * cloth, (0.0, _ROLLED - 0.1), CLOTHED),
+        ]
+    return [
+        _stretch(*fore, skin, (0.0, 0.3, 0.65, 1.0), BARE),
+        _stretch(*upper, bare_above, (SHORT_SLEEVE, 1.0), BARE),
+        _stretch(*upper, 1.02 * above, (0.1, SHORT_SLEEVE - 0.1), CLOTHED),
+    ]
+
+
+def _stretch(
+    start_m: Floats, end_m: Floats, radii_m: Floats, shares: tuple[float, ...], paint: int
+) -> Bars:
+    """A chain of bars along a bone (F, 3) to (F, 3), between shares of its length."""
+    along = np.array(shares)
+    points = start_m[:, None] + along[:, None] * (end_m - start_m)[:, None]
+    radii = np.interp(along, _SHARES, radii_m)
+    return bars_of(points[:, :-1], points[:, 1:], np.column_stack([radii[:-1], radii[1:]]), paint)
+
+
+def _neck(track: PoseTrack, anatomy: Anatomy) -> Bars:
+    """The neck, skin of the head, down into the collar."""
+    k = anatomy.head_breadth_m / 0.1522
+    ends = track.head.moved(np.array([[-0.008, 0.0, -0.050], [-0.008, 0.0, -0.040 - 0.08 * k]]))
+    radii = np.array([[0.0445, 0.0435]]) * k
+    return bars_of(ends[:, :1], ends[:, 1:], radii, TARGET_PAINT + HEAD)
+
+
+def person_hulls(
+    track: PoseTrack, anatomy: Anatomy, appearance: Appearance, table_height_m: float
+) -> list[Hull]:
+    """Hair, bare face with ears, collar and the pieces of the trunk above the table."""
+    bare, hair = outline_points(anatomy, appearance.hair)
+    k = anatomy.head_breadth_m / 0.1522
+    if appearance.hair != "long":
+        ears = k * np.array(
+            [[-0.008, y * w, z - 0.006] for y in (-1, 1) for w, z in _EAR], dtype=np.float64
+        )
+        bare = np.concatenate([bare, ears])
+    hulls = [Hull(track.head.moved(bare), TARGET_PAINT + HEAD)]
+    if len(hair):
+        hulls.append(Hull(track.head.moved(hair), CLOTHED, _HAIR_M))
+    lowest = table_height_m - _SEEN_BELOW_M - anatomy.mid_shoulder_height_m
+    pieces = _trunk(anatomy, lowest)
+    hulls += [Hull(track.torso.moved(piece), CLOTHED, _TRUNK_M) for piece in pieces]
+    return [*hulls, Hull(track.torso.moved(_collar()), CLOTHED, _COLLAR_M)]
+
+
+_EAR = ((0.0765, 0.025), (0.0805, 0.0), (0.0765, -0.025))  # half breadth, height from its middle
+
+
+_SEEN_BELOW_M = 0.03  # of the trunk, below the table's height, over its near edge
+
+
+@lru_cache(maxsize=64)
+def _trunk(anatomy: Anatomy, lowest_m: float) -> tuple[Floats, ...]:
+    """Convex pieces of the trunk above a height, torso frame: belly, chest, shoulders."""
+    vertices = torso_surface(anatomy).vertices_m[::2]
+    vertices = vertices[vertices[:, 2] >= lowest_m]
+    z = vertices[:, 2] / (anatomy.stature_m / 1.72)
+    pieces = [vertices[(z >= low) & (z <= high)] for low, high in _SLICES]
+    return tuple(piece for piece in pieces if len(piece))
+
+
+_SLICES = ((-0.57, -0.20), (-0.23, -0.005), (-0.03, 0.06))  # of the average trunk
+
+
+@lru_cache(maxsize=1)
+def _collar() -> Floats:
+    turn = np.linspace(0.0, 2.0 * np.pi, 9)[:-1]
+    ring = 0.0565 * np.column_stack([np.cos(turn), np.sin(turn)]) + [0.004, 0.0]
+    heights = (0.045, COLLAR_TOP_M)
+    return np.concatenate([np.column_stack([ring, np.full(len(ring), z_m)]) for z_m in heights])
