@@ -100,18 +100,19 @@ def _jobs_of(
     """The episodes of a scenario, a seed each."""
     changes = {key: v for key, v in settings.scenario.items() if key in planned.changeable}
     seeds = request.seeds if request.seeds is not None else planned.seeds
+    first = planned.first_seed + request.first_seed
     return [
         Job(
             planned.scenario,
             seed,
             {**planned.overrides, **changes},
             system,
-            keep_pictures=seed == request.first_seed and request.keep_pictures,
+            keep_pictures=seed == first and request.keep_pictures,
             label=planned.label,
             keep_film=request.keep_films,
             use_cache=request.use_cache,
         )
-        for seed in range(request.first_seed, request.first_seed + seeds)
+        for seed in range(first, first + seeds)
     ]
 
 
