@@ -116,6 +116,11 @@ def joint_cost(
     for left, right in {(int(a), int(b)) for a, b in pairs.blob[plain]}:
         if left != heads[0] and right != heads[1]:
             joint += c.unexplained * _unexplained(pairs, left, right)
+    single = ((pairs.part == WHOLE) | (pairs.part == -1)).all(axis=1)
+    single &= (pairs.blob < 0).any(axis=1)
+    single &= area_cost(pairs, hand_area_m2, c) < HANDLIKE_COST[0]
+    for left, right in {(int(a), int(b)) for a, b in pairs.blob[single]}:
+        joint += c.unexplained_single * _unexplained(pairs, left, right)
     beside = (pairs.part == BESIDE).all(axis=1)
     for left, right in {(int(a), int(b)) for a, b in pairs.blob[beside]}:
         joint += 0.5 * c.unexplained * _unused_at_face(pairs, left, right)
@@ -129,6 +134,8 @@ def _unexplained(pairs: Pairs, left: int, right: int) -> Floats:
     """
     unused = np.zeros((len(pairs) + 2, len(pairs) + 2), bool)
     for view, blob in enumerate((left, right)):
+        if blob < 0:  # this view does not show it
+            continue
         uses = np.concatenate([pairs.blob[:, view] == blob, [False, False]])
         unused |= ~(uses[:, None] | uses[None, :])
     return unused.astype(np.float64)
