@@ -120,6 +120,7 @@ def request_of(run: SavedRun) -> PlanRequest:
         settings=tuple(request["settings"]),
         detector=str(meta["detector"]),
         tracker=str(meta["tracker"]),
+        lag=int(meta.get("lag_frames", 0)),
     )
 
 
