@@ -28,8 +28,8 @@ def track(
         tuple[Path, Path],
         typer.Option(
             metavar="INTRINSICS EXTRINSICS",
-            help="Files as OpenCV's stereo sample writes them; or two camera_info files of ROS, left "
-            "and right; or a camera chain of Kalibr, twice.",
+            help="Files as OpenCV's stereo sample writes them; or two camera_info files of ROS, "
+            "left and right; or a camera chain of Kalibr, twice.",
         ),
     ],
     out: ResultsOut,
