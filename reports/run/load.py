@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import math
 import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,23 +12,23 @@ from typing import Any
 
 import pandas as pd
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
+from reports.run.bounded_table import read_bounded
+from reports.run.run_json import read_run_json
 from reports.run.schema import (
-    KIND,
-    OLDEST_VERSION,
-    SCHEMA_VERSION,
     SLIM_TABLES,
     TABLES,
     columns_since,
     schema_of,
 )
-from reports.score.events import KINDS
+from reports.run.table_rules import KEY, first_broken_rule
+from sim.archives import bounded_archive
 from sim.dataset.files.checksums import sha256_of
 
-_REQUEST = ("targets", "seeds", "first_seed", "only", "settings", "preset", "detector", "tracker")
+MAX_FILM_BYTES = 256 << 20
+MAX_FILE_BYTES = 2 << 30
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +80,8 @@ def load(folder: Path) -> SavedRun:
         for name, schema in TABLES.items()
     }
     _check_episodes(folder, meta, tables["episodes"])
+    _check_keys(folder, meta, tables)
+    _check_tracking(folder, tables["episodes"], tables["tracking"])
     return SavedRun(folder, meta, **tables)
 
 
@@ -95,62 +97,7 @@ def _load_meta(folder: Path) -> dict[str, Any]:
         raise BenchError(f"{folder}: no such run; give the folder that `run --out` made.")
     if not path.is_file():
         raise BenchError(f"{folder}: is not a saved run: it has no run.json.")
-    try:
-        meta = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise BenchError(f"{path}: is damaged: {one_line(error)}.") from error
-    if not isinstance(meta, dict) or meta.get("kind") != KIND:
-        raise BenchError(f"{path}: is not the run.json of a saved run.")
-    version = meta.get("schema_version")
-    if type(version) is not int or not OLDEST_VERSION <= version <= SCHEMA_VERSION:
-        raise BenchError(
-            f"{path}: schema version {version!r}; this version reads {OLDEST_VERSION} to "
-            f"{SCHEMA_VERSION}: play the run again."
-        )
-    shapes = {"name": str, "files": dict, "scenarios": list, "pictures": list, "timing": list}
-    shapes |= {"films": list, "provenance": dict}
-    for name, kind in {**shapes, "complete": bool}.items():
-        if not isinstance(meta.get(name), kind):
-            raise BenchError(f"{path}: is damaged: {name!r} is missing or not a {kind.__name__}.")
-    listed = set(meta["files"])
-    for needed in [f"{name}.parquet" for name in _tables_in(meta)]:
-        if needed not in listed:
-            raise BenchError(f"{path}: is damaged: {needed} is not listed.")
-    _check_scenarios(path, meta)
-    for noun, entries in (("picture", meta["pictures"]), ("film", meta["films"])):
-        for entry in entries:
-            if not isinstance(entry, dict) or entry.get("file") not in listed:
-                raise BenchError(f"{path}: is damaged: a {noun} is not listed among the files.")
-    return meta
-
-
-def _check_scenarios(path: Path, meta: Mapping[str, Any]) -> None:
-    """Check the fields of run.json that other modules read by key."""
-    for scenario in meta["scenarios"]:
-        if not (isinstance(scenario, dict) and isinstance(scenario.get("name"), str)):
-            raise BenchError(f"{path}: is damaged: a scenario has no name.")
-        name, seeds = scenario["name"], scenario.get("seeds")
-        if not (isinstance(seeds, list) and all(type(seed) is int for seed in seeds)):
-            raise BenchError(f"{path}: is damaged: the seeds of {name} are no list.")
-        for key in ("digests", "truths"):
-            values = scenario.get(key)
-            if not (isinstance(values, list) and len(values) == len(seeds)):
-                raise BenchError(
-                    f"{path}: is damaged: {key} of {name} do not match its seeds; "
-                    "play the run again."
-                )
-    suites = meta.get("suites", [])
-    if not (isinstance(suites, list) and all(_is_suite(suite) for suite in suites)):
-        raise BenchError(f"{path}: is damaged: the suites have no name, version and digest.")
-    request = meta.get("request", {})
-    if request and not (isinstance(request, dict) and {*_REQUEST} <= {*request, *meta}):
-        raise BenchError(f"{path}: is damaged: 'request' is not complete.")
-    if not isinstance(meta["provenance"].get("versions"), dict):
-        raise BenchError(f"{path}: is damaged: 'provenance' has no versions.")
-
-
-def _is_suite(suite: object) -> bool:
-    return isinstance(suite, dict) and {"name", "version", "digest"} <= {*suite}
+    return read_run_json(path)
 
 
 def _check_episodes(folder: Path, meta: Mapping[str, Any], episodes: pd.DataFrame) -> None:
@@ -165,6 +112,17 @@ def _check_episodes(folder: Path, meta: Mapping[str, Any], episodes: pd.DataFram
         )
 
 
+def _check_tracking(folder: Path, episodes: pd.DataFrame, tracking: pd.DataFrame) -> None:
+    """Check that every episode with a result has its scores, of the same number of frames."""
+    played = episodes[episodes["failure"] == ""].groupby(KEY)["frames"].first()
+    counts = tracking.set_index(KEY)["frames"]
+    if not counts.sort_index().equals(played.sort_index()):
+        raise BenchError(
+            f"{folder / 'tracking.parquet'}: its episodes, or their numbers of frames, are not "
+            "those of episodes.parquet; play the run again."
+        )
+
+
 def _check_file(folder: Path, name: str, entry: Any) -> None:
     path = folder / name
     if Path(name).is_absolute() or ".." in Path(name).parts:
@@ -173,6 +131,8 @@ def _check_file(folder: Path, name: str, entry: Any) -> None:
         raise BenchError(f"{path}: is missing; copy the run again, or play it again.")
     wanted = entry.get("sha256") if isinstance(entry, dict) else None
     try:
+        if path.stat().st_size > MAX_FILE_BYTES:
+            raise BenchError(f"{path}: is larger than {MAX_FILE_BYTES >> 30} GiB.")
         checksum = sha256_of(path)
     except OSError as error:
         raise BenchError(f"{path}: cannot be read: {error.strerror or error}.") from error
@@ -184,34 +144,47 @@ def _check_file(folder: Path, name: str, entry: Any) -> None:
 
 
 def _load_table(path: Path, name: str, version: int) -> pd.DataFrame:
-    schema = schema_of(name, version)
-    try:
-        table = pq.read_table(path)
-    except (OSError, pa.ArrowException) as error:
-        raise BenchError(f"{path}: is damaged: {one_line(error)}.") from error
-    if not table.schema.equals(schema):
-        odd = sorted({*schema.names} ^ {*table.schema.names}) or ["types"]
-        raise BenchError(f"{path}: has other columns than schema {version}: {', '.join(odd)}.")
-    frame: pd.DataFrame = table.to_pandas()
+    frame: pd.DataFrame = read_bounded(path, schema_of(name, version), version).to_pandas()
+    broken = first_broken_rule(name, frame)
+    if broken is not None:
+        raise _row_fault(path, frame, *broken)
     whole = TABLES[name]
     for column in columns_since(version, name):
         counts = pa.types.is_integer(whole.field(column).type)
         frame[column] = 0 if counts else math.nan
-    frame = frame[whole.names]
-    known = {"target": {*TARGETS}, "kind": {*KINDS}}
-    for column, values in known.items():
-        if column in frame and not set(frame[column]) <= values:
-            raise BenchError(f"{path}: column {column!r} has unknown values.")
-    return frame
+    return frame[whole.names]
+
+
+def _check_keys(folder: Path, meta: Mapping[str, Any], tables: Mapping[str, pd.DataFrame]) -> None:
+    """Check that every row belongs to an episode of the run."""
+    known = {(s["name"], seed) for s in meta["scenarios"] for seed in s["seeds"]}
+    for name, frame in tables.items():
+        odd = [key not in known for key in zip(frame["scenario"], frame["seed"], strict=True)]
+        if any(odd):
+            path = folder / f"{name}.parquet"
+            raise _row_fault(path, frame, odd.index(True), "is of no episode of this run")
+
+
+def _row_fault(path: Path, frame: pd.DataFrame, row: int, rule: str) -> BenchError:
+    """The fault of a row (from 0), which is named by its number (from 1) and its episode."""
+    cells = frame.iloc[row]
+    target = f" {cells['target']}" if "target" in frame else ""
+    return BenchError(
+        f"{path}: row {row + 1} ({str(cells['scenario'])[:60]} seed {cells['seed']}{target}): "
+        f"{rule}; play the run again."
+    )
 
 
 def read_film(run: SavedRun, file: str) -> dict[int, bytes]:
     """Read a film of a run: WebP pictures by frame. Raises BenchError where it is damaged."""
     path = run.folder / file
     try:
-        with zipfile.ZipFile(path) as film:
-            return {int(Path(name).stem): film.read(name) for name in sorted(film.namelist())}
-    except (OSError, ValueError, zipfile.BadZipFile) as error:
+        with bounded_archive(path, MAX_FILM_BYTES) as film:
+            return {
+                int(Path(entry.filename).stem): film.read(entry)
+                for entry in sorted(film.infolist(), key=lambda entry: entry.filename)
+            }
+    except (OSError, ValueError, RuntimeError, EOFError, zlib.error, zipfile.BadZipFile) as error:
         raise BenchError(f"{path}: is damaged: {one_line(error)}.") from error
 
 

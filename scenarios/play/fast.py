@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from pjpdaf.detector.blob_detector import BlobDetector
 from pjpdaf.detector.detector import SkinDetector
 from pjpdaf.errors import BenchError
 from pjpdaf.follow import follow
-from pjpdaf.interfaces import Detector
+from pjpdaf.interfaces import Detections, Detector
+from pjpdaf.presets.registry import PRESETS
+from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 from reports.score.records import Episode, FrameOutcome
 from scenarios.play.job import Job, System, digest_of
 from scenarios.play.play import make_system
 from scenarios.play.recipe import sized
 from scenarios.spec.draw import concrete, unjudged
+from sim.silhouettes import blobs_with_looks, skin_blobs
+from sim.silhouettes.blobs_with_looks import BlobsWithLooks
 from sim.silhouettes.error_model import BlobErrors, ErrorModel
 from sim.silhouettes.film import film_of
 from sim.silhouettes.painter import Painter
-from sim.silhouettes.skin_blobs import STEP_PX, SkinBlobs
+from sim.silhouettes.skin_blobs import SkinBlobs
 from sim.silhouettes.truths import Truths
 
 
@@ -29,16 +36,17 @@ def play_fast(job: Job, redraw: int = 0) -> Episode:
     if job.kept is not None or job.detections is not None:
         raise BenchError("fast plays scenarios, not stored sequences or tables of detections")
     performance = sized(unjudged(job.scenario, job.seed, job.overrides, redraw), job.size_px)
-    film = film_of(performance, STEP_PX, everything=False)
+    step_px, everything = _painting(job.system)
+    film = film_of(performance, step_px, everything)
     detector, tracker = make_system(job.system, film.calibration)
     painter = Painter(film)
-    stand_in = _stand_in(job.system, detector, painter)
+    stand_in = _stand_in(detector, painter)
     truths = Truths(film)
     outcomes = []
     for step in follow(film.frames(), stand_in, tracker):
         truth = truths.of(step.frame.index, painter.paint(step.frame.index))
         stages_s = {"render": step.render_s, "detect": step.detect_s, "track": step.track_s}
-        outcomes.append(FrameOutcome(truth, step.estimates, step.detections, stages_s))
+        outcomes.append(FrameOutcome(truth, step.estimates, _slim(step.detections), stages_s))
     return Episode(
         scenario=job.name,
         group=job.scenario.group,
@@ -52,13 +60,31 @@ def play_fast(job: Job, redraw: int = 0) -> Episode:
     )
 
 
-def _stand_in(system: System, detector: Detector, painter: Painter) -> Detector:
+def _painting(system: System) -> tuple[int, bool]:
+    """Reduction of the pictures, and whether clothes and things are painted as well."""
+    preset = PRESETS.get(system.detector)
+    if preset is None:
+        raise BenchError(
+            f"detector {system.detector!r}: fast has a stand-in for the detectors of presets only; "
+            "play it in full"
+        )
+    if isinstance(preset.tracker, HypothesisParameters):
+        return blobs_with_looks.STEP_PX, True
+    return skin_blobs.STEP_PX, False
+
+
+def _stand_in(detector: Detector, painter: Painter) -> Detector:
     film = painter.film
     views = len(film.outlines)
     errors = BlobErrors(ErrorModel(), film.frame_count, views, film.performance.seed)
     if isinstance(detector, SkinDetector):
         return SkinBlobs(film.calibration.cameras, detector.parameters, painter, errors)
-    raise BenchError(
-        f"detector {system.detector!r}: fast has a stand-in for the detectors of presets only; "
-        "use full"
+    assert isinstance(detector, BlobDetector)
+    return BlobsWithLooks(
+        film.calibration, detector.base.parameters, detector.adaptation, painter, errors
     )
+
+
+def _slim(detections: tuple[Detections, ...]) -> tuple[Detections, ...]:
+    """The detections without their looks, which no result keeps."""
+    return tuple(view if view.looks is None else replace(view, looks=None) for view in detections)

@@ -33,13 +33,24 @@ class Case:
     values: Mapping[str, Value]
     seed: int
 
-    def job(self, system: System, *, label: str = "", film: bool = False) -> Job:
-        """The episode. The duration stays where `fps` changes. Raises BenchError."""
+    def __post_init__(self) -> None:
+        # 20 and 20.0 are the same value: they must give the same digest.
+        values = {n: float(v) if isinstance(v, int) else v for n, v in self.values.items()}
+        object.__setattr__(self, "values", values)
+
+    @property
+    def frames(self) -> int:
+        """Frames of the episode; the duration stays where `fps` changes."""
+        if "frames" in self.values:
+            return int(float(self.values["frames"]))
         scenario = find_family(self.family).scenario
-        changes = dict(self.values)
-        if "fps" in changes and "frames" not in changes:
-            duration_s = scenario.frames / scenario.fps
-            changes["frames"] = max(1, round(duration_s * float(changes["fps"])))
+        fps = float(self.values.get("fps", scenario.fps))
+        return max(1, round(scenario.frames / scenario.fps * fps))
+
+    def job(self, system: System, *, label: str = "", film: bool = False) -> Job:
+        """The episode. Raises BenchError for values that do not fit the family."""
+        changes = {**self.values, "frames": float(self.frames)}
+        scenario = find_family(self.family).scenario
         return Job(scenario, self.seed, changes, system, label=label or self.family, keep_film=film)
 
     @property

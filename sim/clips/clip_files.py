@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from pjpdaf.errors import BenchError
+from sim.archives import bounded_archive
 from sim.clips.bvh import clip_of_bvh
 from sim.clips.clips import HANDS, JOINTS, Clip, clip_of
 
@@ -104,17 +105,16 @@ def _clip_of_npz(path: str) -> Clip:
 
 def _arrays(path: str, names: Sequence[str]) -> dict[str, np.ndarray]:
     try:
-        with zipfile.ZipFile(path) as archive:
-            unpacked = sum(entry.file_size for entry in archive.infolist())
-        if unpacked > MAX_UNPACKED:
-            raise BenchError(f"{path}: is larger than {MAX_UNPACKED >> 20} MiB unpacked")
+        bounded_archive(Path(path), MAX_UNPACKED).close()
         with np.load(path, allow_pickle=False) as saved:
             missing = [name for name in names if name not in saved.files]
             if missing:
                 there = ", ".join(saved.files)[:200] or "nothing"
                 raise BenchError(f"{path}: has no array {', '.join(missing)}; it has: {there}")
             return {name: np.asarray(saved[name]) for name in names}
-    except zipfile.BadZipFile:
+    except zipfile.BadZipFile as fault:
+        if str(fault).startswith(("is ", "has ")):
+            raise BenchError(f"{path}: {fault}") from None
         raise BenchError(f"{path}: is damaged, or not an NPZ (zip) file") from None
     except ValueError as fault:
         if "pickle" in str(fault).lower():

@@ -18,8 +18,8 @@ _BORDER_PX = 0.5
 _THINNEST_PX = 0.05
 _NEAREST_M = 0.05  # nearer than this a shape is not painted
 _END = np.linspace(0.5 * np.pi, 1.5 * np.pi, 6)
-_COS, _SIN = np.cos(_END), np.sin(_END)
-_FULL = 1.01  # of the radius: corners of the outline lie a little outside the circle
+_BULGE = np.array([1.0, *[1.0427] * 4, 1.0])  # corners lie outside the circle: its area is kept
+_COS, _SIN = _BULGE * np.cos(_END), _BULGE * np.sin(_END)
 _BETWEEN_M = 1e-4  # of depth, between a flat body and bars before and behind it
 _FAR = 1 << 20  # a pixel that no picture has
 
@@ -136,7 +136,7 @@ def _project_bars(bars: Bars, camera: Camera) -> tuple[NDArray[np.int32], Floats
         ],
         axis=-1,
     )
-    drawn = np.maximum(_FULL * radius - _BORDER_PX, _THINNEST_PX)
+    drawn = np.maximum(radius - _BORDER_PX, _THINNEST_PX)
     along = points[:, n:] - points[:, :n]
     length = np.sqrt((along * along).sum(axis=-1, keepdims=True))
     u = np.where(length > 1e-6, along / np.maximum(length, 1e-6), [1.0, 0.0])

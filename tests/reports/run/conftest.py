@@ -1,6 +1,8 @@
 """Saved runs of a few synthetic episodes."""
 
+import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -35,9 +37,15 @@ def played(episode_of, tools):
     return [*episodes, EpisodeFailure("cross", 3, "timed out", group="hand and hand")]
 
 
+@pytest.fixture(scope="session")
+def saved(played, tmp_path_factory):
+    return save(tmp_path_factory.mktemp("saved") / "night", played, INFO)
+
+
 @pytest.fixture
-def run(played, tmp_path):
-    return save(tmp_path / "night", played, INFO)
+def run(saved, tmp_path):
+    """A copy of the saved run, to be changed."""
+    return Path(shutil.copytree(saved, tmp_path / "night"))
 
 
 @pytest.fixture(scope="session")

@@ -44,7 +44,7 @@ def test_a_ball_is_a_disc_where_the_camera_sees_it(step_px):
     # 1 m away, so that 0.1 m are 54 px; the person's left is on the right of the picture.
     expected = project(CAMERA, np.array([0.30, 0.10, 1.25]))
     np.testing.assert_allclose(expected, [373.5, 293.5], atol=0.5)
-    np.testing.assert_allclose(centre, expected, atol=0.15 * step_px)
+    np.testing.assert_allclose(centre, expected, atol=0.25 * step_px)
     assert len(xs) * step_px**2 == pytest.approx(np.pi * (0.05 * FOCAL_PX) ** 2, rel=0.03)
 
 
@@ -70,13 +70,13 @@ def test_the_nearer_shape_covers_the_farther_whatever_their_order(order):
 
 
 def test_a_board_covers_what_is_below_it_and_not_what_lies_on_it():
-    low, high = np.array([0.20, -0.10, 0.80]), np.array([0.50, 0.10, 0.81])
+    low, high = np.array([0.20, -0.10, 1.10]), np.array([0.50, 0.10, 1.11])
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     points = (low + corners * (high - low))[None]
     board = Hull(points, CLOTHED, normals=np.array([[0.0, 0.0, 1.0]]))
     # Nearer to the camera than the board's middle although below it, and the reverse.
-    below = ball(0.46, 0.0, 0.78, 0.015, TARGET_PAINT)
-    above = ball(0.24, 0.0, 0.83, 0.015, TARGET_PAINT + 1)
+    below = ball(0.37, 0.0, 1.09, 0.008, TARGET_PAINT)
+    above = ball(0.24, 0.0, 1.13, 0.015, TARGET_PAINT + 1)
     shades = set(np.unique(painted(both(below, above), [board])))
     assert shades == {0, CLOTHED, TARGET_PAINT + 1}
 

@@ -1,0 +1,1 @@
+"""Search for failures: first points, evolution, and what makes two failures different."""

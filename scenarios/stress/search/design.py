@@ -1,0 +1,35 @@
+"""The first points of a search: corners of the unit cube, and a scrambled Sobol sequence."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.linalg import hadamard
+from scipy.stats import qmc
+
+from pjpdaf.arrays import Floats
+from sim.randomness import generator
+
+CORNERS = 16
+SOBOL_LOG2 = 8  # 256 points, then as many more of another scrambling
+
+
+def corners(d: int, count: int = CORNERS) -> Floats:
+    """Corners (count, d) of the unit cube that show every axis at both ends equally often.
+
+    Rows of a Hadamard matrix: up to d = count - 1 any two axes meet in all four combinations
+    (Plackett and Burman 1946); further axes repeat the columns.
+    """
+    signs = hadamard(count)[:, 1:]
+    columns = np.arange(d) % (count - 1)
+    return np.asarray((signs[:, columns] + 1) / 2, dtype=float)
+
+
+def sobol(d: int, seed: int, stream: str) -> Iterator[Floats]:
+    """Points (d,) of scrambled Sobol sequences without end."""
+    block = 0
+    while True:
+        rng = int(generator(seed, f"{stream}/sobol", block).integers(2**31))
+        yield from qmc.Sobol(d, scramble=True, rng=rng).random_base2(SOBOL_LOG2)
+        block += 1

@@ -1,0 +1,81 @@
+"""What makes two failures different: the event, and the cell of the parameters that matter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from scenarios.stress.case import Case
+from scenarios.stress.minimise import minimal_changes
+from scenarios.stress.search.evaluation import Evaluation
+from scenarios.stress.space import Axis, Space
+from sim.motion.stage import Value
+
+PARTS = ("low", "middle", "high")  # thirds of a range
+
+
+@dataclass(frozen=True)
+class Signature:
+    """The signature of a failure. cell: parameter -> third of its range, or choice."""
+
+    family: str
+    measure: str
+    cell: tuple[tuple[str, str], ...]
+
+    @property
+    def words(self) -> str:
+        """Its cell, such as "speed high, front left"; "nominal" where no parameter matters."""
+        return ", ".join(f"{name} {part}" for name, part in self.cell) or "nominal"
+
+
+@dataclass(frozen=True)
+class DistinctFailure:
+    """A failure with a signature of its own; minimal: the same with only what matters changed."""
+
+    signature: Signature
+    evaluation: Evaluation
+    minimal: Case
+
+
+def part_of(axis: Axis, value: Value) -> str:
+    """The third of its range in which a number lies; a choice itself."""
+    if axis.choices:
+        return str(value)
+    return PARTS[min(int(axis.to_unit(value) * len(PARTS)), len(PARTS) - 1)]
+
+
+def explained(signature: Signature, space: Space, case: Case, measure: str) -> bool:
+    """Whether a failure lies in the cell of a signature that has one, with the same measure."""
+    return (
+        bool(signature.cell)
+        and measure == signature.measure
+        and all(part_of(space.axis(n), case.values[n]) == part for n, part in signature.cell)
+    )
+
+
+def attribute(
+    space: Space,
+    evaluation: Evaluation,
+    measure: str,
+    evaluate: Callable[[Case], Sequence[str]],
+) -> DistinctFailure:
+    """The failure with the parameters that matter: those that cannot go back to nominal.
+
+    evaluate: the measures that fail for a case. The noise seed stays.
+    """
+    case, nominal = evaluation.case, space.nominal()
+    changed = [name for name in space.names if case.values[name] != nominal[name]]
+    here, there = space.unit_of_values(case.values), space.unit_of_values(nominal)
+    distance = dict(zip(space.names, abs(here - there), strict=True))
+    changed.sort(key=lambda name: float(distance[name]))
+
+    def with_changes(names: Sequence[str]) -> Case:
+        return case.with_values({n: nominal[n] for n in changed if n not in names})
+
+    needed = minimal_changes(changed, lambda names: measure in evaluate(with_changes(names)))
+    cell = tuple(
+        (axis.name, part_of(axis, case.values[axis.name]))
+        for axis in space.axes
+        if axis.name in needed
+    )
+    return DistinctFailure(Signature(case.family, measure, cell), evaluation, with_changes(needed))

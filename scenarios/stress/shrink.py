@@ -1,0 +1,190 @@
+"""Shrink: the least that still makes a tracker fail, and the worst that was seen on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from reports.score.robustness import MEASURES
+from scenarios.stress.case import Case
+from scenarios.stress.minimise import minimal_changes
+from scenarios.stress.search.evaluation import Evaluation
+from scenarios.stress.space import Space
+from sim.motion.stage import Value
+from sim.randomness import generator
+
+SEEDS, NEEDED = 8, 6  # a failure is one of a case's if it fails with 6 of 8 fresh noise seeds
+BATCHES = (3, 3, 2)  # of them, played together: most cases are decided by the first or second
+BISECTIONS = 3  # of each parameter that is left, towards nominal
+SPARE_FRAMES = 1  # after the last failing window, when the time is cut
+
+Evaluate = Callable[[Sequence[Case]], list[Evaluation]]
+
+
+@dataclass(frozen=True)
+class Survival:
+    """In how many of `of` episodes with fresh noise a case fails; severity: mean over those."""
+
+    failed: int
+    of: int
+    severity: float = 0.0
+
+    @property
+    def text(self) -> str:
+        """As "7/8"."""
+        return f"{self.failed}/{self.of}"
+
+
+@dataclass(frozen=True)
+class Shrunk:
+    """The result of shrinking a case.
+
+    changed: its parameters that were not nominal; needed: those that the minimal case still
+    changes; runs: trials for all of it, without the survival of the two at the end. minimal,
+    severe: None where the case did not survive fresh noise itself.
+    """
+
+    case: Case
+    measure: str
+    survival: Survival
+    changed: tuple[str, ...]
+    runs: int
+    needed: tuple[str, ...] = ()
+    minimal: Case | None = None
+    minimal_survival: Survival | None = None
+    severe: Case | None = None
+    severe_survival: Survival | None = None
+
+    @property
+    def differences(self) -> Mapping[str, Value]:
+        """The values of the minimal case that are not nominal."""
+        return {} if self.minimal is None else {n: self.minimal.values[n] for n in self.needed}
+
+
+@dataclass
+class _Oracle:
+    """Whether a case fails with fresh noise; remembers what it has seen."""
+
+    evaluate: Evaluate
+    measure: str
+    seeds: tuple[int, ...]
+    runs: int = 0
+    failing: dict[str, tuple[Case, list[Evaluation]]] = field(default_factory=dict)
+
+    def fails(self, case: Case) -> bool:
+        """Whether it fails with `NEEDED` of `SEEDS` seeds, played until that is decided."""
+        failed: list[Evaluation] = []
+        played = 0
+        for batch in BATCHES:
+            seeds = self.seeds[played : played + batch]
+            failed += self._play(case, seeds)
+            played += batch
+            if len(failed) >= NEEDED:
+                self.failing[case.with_seed(0).digest] = case, failed
+                return True
+            if played - len(failed) > SEEDS - NEEDED:
+                return False
+        return False
+
+    def _play(self, case: Case, seeds: Sequence[int]) -> list[Evaluation]:
+        """The evaluations that fail with the measure."""
+        evaluations = self.evaluate([case.with_seed(seed) for seed in seeds])
+        self.runs += len(seeds)
+        return [e for e in evaluations if self.measure in e.result.failed]
+
+
+def shrink(
+    space: Space, case: Case, measure: str, evaluate: Evaluate, fresh: int = 100, seed: int = 0
+) -> Shrunk:
+    """Shrink a failing case: fewest changes from nominal, smallest changes, fewest frames.
+
+    measure: the failure that must survive; fresh: episodes for the survival of the minimal and of
+    the most severe case, with noise that no step has used. Raises what `evaluate` raises.
+    """
+    noise = [
+        int(n) for n in generator(seed, "stress/shrink/noise").integers(2**31, size=SEEDS + fresh)
+    ]
+    oracle = _Oracle(evaluate, measure, tuple(noise[:SEEDS]))
+    nominal = space.nominal()
+    case = case.with_values({n: v for n, v in nominal.items() if n not in case.values})
+    changed = _by_distance(space, case, nominal)
+    survival = survival_of(case, measure, evaluate, noise[:SEEDS])
+    if survival.failed < NEEDED:
+        return Shrunk(case, measure, survival, changed, SEEDS)
+    oracle.fails(case)  # of trials that have just been played
+    oracle.runs = SEEDS
+
+    def with_changes(names: Sequence[str]) -> Case:
+        return case.with_values({n: nominal[n] for n in changed if n not in names})
+
+    needed = minimal_changes(changed, lambda names: oracle.fails(with_changes(names)))
+    minimal = with_changes(needed)
+    for name in needed:
+        minimal = _bisected(space, minimal, name, nominal[name], oracle)
+    minimal = _cut(minimal, oracle)
+    severe = max(
+        (_mean_severity(seen), -number, tried)
+        for number, (tried, seen) in enumerate(oracle.failing.values())
+    )[2]
+    late = noise[SEEDS:]
+    return Shrunk(
+        case,
+        measure,
+        survival,
+        changed,
+        oracle.runs,
+        needed,
+        minimal,
+        survival_of(minimal, measure, evaluate, late),
+        severe,
+        survival_of(severe, measure, evaluate, late),
+    )
+
+
+def survival_of(case: Case, measure: str, evaluate: Evaluate, seeds: Sequence[int]) -> Survival:
+    """In how many episodes, one of each noise seed, the case fails with the measure."""
+    evaluations = evaluate([case.with_seed(seed) for seed in seeds])
+    failed = [e for e in evaluations if measure in e.result.failed]
+    return Survival(len(failed), len(seeds), _mean_severity(failed))
+
+
+def _mean_severity(failed: Sequence[Evaluation]) -> float:
+    return sum(e.result.severity for e in failed) / len(failed) if failed else 0.0
+
+
+def _by_distance(space: Space, case: Case, nominal: Mapping[str, Value]) -> tuple[str, ...]:
+    """Names of the changed parameters, those nearest to nominal first."""
+    apart = abs(space.unit_of_values(case.values) - space.unit_of_values(nominal))
+    distance = dict(zip(space.names, apart.tolist(), strict=True))
+    changed = [name for name in space.names if case.values[name] != nominal[name]]
+    return tuple(sorted(changed, key=lambda name: distance[name]))
+
+
+def _bisected(space: Space, case: Case, name: str, nominal: Value, oracle: _Oracle) -> Case:
+    """The case with a number as near to nominal as bisection brings it; choices stay."""
+    axis = space.axis(name)
+    if axis.choices:
+        return case
+    good, bad = axis.to_unit(case.values[name]), axis.to_unit(nominal)
+    for _ in range(BISECTIONS):
+        middle = (good + bad) / 2
+        tried = case.with_values({name: axis.of_unit(middle)})
+        if oracle.fails(tried):
+            case, good = tried, middle
+        else:
+            bad = middle
+    return case
+
+
+def _cut(case: Case, oracle: _Oracle) -> Case:
+    """The case with as few frames as its failures need; unchanged where they do not come again."""
+    entry = oracle.failing.get(case.with_seed(0).digest)
+    if entry is None:
+        return case
+    number = MEASURES.index(oracle.measure)
+    ends = [e.result.robustness.ends[number] for e in entry[1] if e.result.robustness]
+    frames = max(ends) + 1 + SPARE_FRAMES
+    if frames >= case.frames:
+        return case
+    tried = case.with_values({"frames": frames})
+    return tried if oracle.fails(tried) else case

@@ -1,0 +1,69 @@
+"""Shrinking of a made-up failure that depends on noise."""
+
+import numpy as np
+
+from reports.score.events import Event
+from reports.score.robustness import Robustness
+from scenarios.stress.case import Case, TrialResult
+from scenarios.stress.families import find_family
+from scenarios.stress.search.evaluation import Evaluation
+from scenarios.stress.shrink import Survival, shrink
+from scenarios.stress.space import Space
+
+SPACE = Space.of(find_family("cross"))
+
+
+def made_up(share):
+    """A tracker that swaps, after 20 frames, above 0.4 m/s and below 0.06 m, in this share."""
+
+    def evaluate(cases):
+        return [one(case) for case in cases]
+
+    def one(case):
+        v = case.values
+        unlucky = np.random.default_rng(case.seed).random() < share
+        bad = unlucky and v["speed"] > 0.4 and v["depth_gap"] < 0.06 and case.frames > 20
+        rho = -1.0 if bad else 1.0
+        ends = (20 if bad else -1, *(-1,) * 5)
+        robustness = Robustness(rho, 1.0, 1.0, (1.0,) * 3, (0.1, 1.0, 1.0), ends)
+        last = min(case.frames - 1, 20 + round(10 * float(v["hold"])))
+        events = (Event("swap", 1, 2, 19, last, True, 0.0, 1.0),) if bad else ()
+        return Evaluation(case, TrialResult(str(case), robustness, events, case.frames))
+
+    return evaluate
+
+
+FAILING = Case("cross", SPACE.values_of_unit(np.linspace(0.95, 0.99, 13)), 5).with_values(
+    {"speed": 0.55, "depth_gap": 0.045}
+)
+
+
+def test_only_what_is_needed_is_left_and_nearer_to_nominal():
+    result = shrink(SPACE, FAILING, "swap", made_up(0.95))
+    assert set(result.needed) == {"speed", "depth_gap"}
+    assert len(result.changed) >= 10
+    assert result.runs <= 150
+    assert 0.4 < result.minimal.values["speed"] < 0.45
+    assert 0.05 < result.minimal.values["depth_gap"] < 0.06
+    assert result.minimal.values["frames"] == 22
+    assert result.minimal_survival.failed >= 85
+    assert result.minimal_survival.of == 100
+    assert set(result.differences) == {"speed", "depth_gap"}
+
+
+def test_the_most_severe_is_kept_beside_the_minimal():
+    result = shrink(SPACE, FAILING, "swap", made_up(1.0))
+    assert result.severe_survival.severity > 2 * 2 / 54
+    assert result.severe.values["hold"] > SPACE.nominal()["hold"]
+
+
+def test_a_failure_of_chance_is_not_shrunk():
+    result = shrink(SPACE, FAILING, "swap", made_up(0.3))
+    assert result.minimal is None
+    assert result.survival.failed < 6
+    assert result.runs == 8
+    assert result.differences == {}
+
+
+def test_survival_as_text():
+    assert Survival(7, 8).text == "7/8"
