@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
@@ -13,12 +14,14 @@ import numpy as np
 from pjpdaf.arrays import Image
 from pjpdaf.camera import StereoRig
 from pjpdaf.frames import StereoFrame
+from sim import gl
 from sim.camera import selftest
 from sim.camera.clock import moment
 from sim.camera.exposure import subframes
 from sim.camera.miscalibration import miscalibrated
 from sim.camera.render import StereoRenderer, ViewRender
-from sim.camera.sensor import expose, mean_light
+from sim.camera.sensor import mean_light
+from sim.camera.stereo_sensor import Light, background_frames, sense
 from sim.labels import centres, truth_of, velocities
 from sim.pose import Pose
 from sim.scene.rig import stereo_rig
@@ -32,7 +35,8 @@ class RenderedFrame:
     """A stereo frame with its truth and the clean renders behind it.
 
     frame: pictures as the cameras give them, None where a picture was lost. truth, pose: of the
-    moment at which the frame was taken, whatever time the frame itself carries. views: clean
+    moment at which the frame was taken, whatever time the frame itself carries. light: what the
+    sensors of both views were given, also where a picture was lost. views: clean
     renders of that moment, sharp even where the exposure blurs the pictures; with shutter skew the
     right view, and the right view's part of the truth, is of skew_s later. hook_results: return
     values of the `ViewHook` per view, None without a hook.
@@ -40,6 +44,7 @@ class RenderedFrame:
 
     frame: StereoFrame
     truth: Truth
+    light: Light
     views: tuple[ViewRender, ViewRender]
     pose: Pose
     hook_results: tuple[Any, Any] = (None, None)
@@ -80,6 +85,11 @@ class Simulation(AbstractContextManager["Simulation"]):
         """Number of rejected draws of the seed (`Performance`)."""
         return self.performance.redrawn
 
+    @cached_property
+    def renderer(self) -> str:
+        """Description of the OpenGL renderer."""
+        return gl.describe()
+
     @property
     def world(self) -> World:
         """The compiled scene; read only: `render` poses it."""
@@ -118,10 +128,12 @@ class Simulation(AbstractContextManager["Simulation"]):
             script.events(now.time_s),
             moved_m,
         )
-        pictures = self._sense(index, now.time_s, (left.light, right.light), "")
+        light = left.light, right.light
+        pictures = sense(light, scene.sensor, self.performance.seed, index, now.time_s)
         arrived = tuple(p if came else None for p, came in zip(pictures, now.arrived, strict=True))
         frame = StereoFrame(index, now.stamp_s, arrived)
-        return RenderedFrame(frame, truth, views, pose, (left.hook_result, right.hook_result))
+        hook_results = left.hook_result, right.hook_result
+        return RenderedFrame(frame, truth, light, views, pose, hook_results)
 
     def background(self) -> list[StereoFrame]:
         """Render `background_frames` frames of the room at t = 0 without the person.
@@ -129,19 +141,21 @@ class Simulation(AbstractContextManager["Simulation"]):
         Table, chair and objects stay. Each picture has noise of its own, independent of the noise
         of all frames. No picture is lost or late: a detector that learns can wait.
         """
-        if self.performance.background_frames == 0:
+        performance = self.performance
+        count, sensor = performance.background_frames, performance.scene.sensor
+        if count == 0:
             return []
+        return background_frames(
+            self.background_light(), count, performance.fps, sensor, performance.seed
+        )
+
+    def background_light(self) -> Light:
+        """Render the light of the room at t = 0 without the person."""
         first = self.performance.script.pose(0.0)
         places = MappingProxyType({**first.objects, **self.performance.learnt})
         self._world.place(replace(first, objects=places))
         views = self._renderer.render(labels=False, amodal=False, person=False)
-        light = _colour(views[0]), _colour(views[1])
-        frames = []
-        for index in range(self.performance.background_frames):
-            t_s = index / self.performance.fps
-            pictures = self._sense(index, t_s, light, "background/")
-            frames.append(StereoFrame(index, t_s, pictures))
-        return frames
+        return _colour(views[0]), _colour(views[1])
 
     def close(self) -> None:
         """Free the renderer; safe to call twice."""
@@ -174,17 +188,6 @@ class Simulation(AbstractContextManager["Simulation"]):
             _ExposedView(view, mean_light(pictures), result)
             for view, pictures, result in zip(sharp, subframe_pictures, hook_results, strict=True)
         ]
-
-    def _sense(
-        self, index: int, t_s: float, light: tuple[Image, Image], stream: str
-    ) -> tuple[Image, Image]:
-        """Apply the sensor to both views' light (h, w, 3); stream: prefix of the noise streams."""
-        sensor, seed = self.performance.scene.sensor, self.performance.seed
-        left, right = (
-            expose(picture, sensor, seed, f"{stream}{camera}", index, t_s + delay_s)
-            for picture, camera, delay_s in zip(light, CAMERAS, (0.0, sensor.skew_s), strict=True)
-        )
-        return left, right
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,9 @@ import pytest
 # Last: tests/pjpdaf must not hide the package pjpdaf.
 sys.path.append(str(Path(__file__).parent))
 
+# Tests render what they say that they render, and leave the user's cache alone.
+os.environ["PJPDAF_BENCH_CACHE"] = "off"
+
 if "PYTEST_XDIST_WORKER" in os.environ:
     # One process a core: threads of libraries and of the rasteriser only get in each other's way.
     # Before anything loads them; their results are the same.

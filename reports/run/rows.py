@@ -30,7 +30,7 @@ class EpisodeRows:
     frames, detections: columns of `FRAMES` and `DETECTIONS`; episodes: the three rows of
     `EPISODES`; events, cameras: rows of `EVENTS` and `CAMERAS`; tracking: the row of `TRACKING`,
     None for an episode without a result. stage_s: wall time of a stage summed over the frames [s],
-    in no table. truth: `motion_mark` of the true positions.
+    in no table. truth: `motion_mark` of the true positions. renderer, replayed: as of `Episode`.
     """
 
     scenario: str
@@ -49,6 +49,8 @@ class EpisodeRows:
     detections: Mapping[str, list[object]] = field(default_factory=dict)
     cameras: tuple[TableRow, ...] = ()
     film: tuple[Still, ...] = ()
+    renderer: str = ""
+    replayed: bool = False
 
 
 def rows_of(played: Episode | EpisodeFailure) -> EpisodeRows:
@@ -84,4 +86,6 @@ def rows_of(played: Episode | EpisodeFailure) -> EpisodeRows:
         detections=detection_columns(played),
         cameras=camera_rows(played),
         film=played.film,
+        renderer=played.renderer,
+        replayed=played.replayed,
     )

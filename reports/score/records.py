@@ -55,7 +55,8 @@ class Episode:
     digest: of the concrete scenario; values: its drawn parameters; redrawn: how many draws of this
     seed were thrown away because they could not be posed; film: some frames, or all of them.
     blame: (kind, target, first) of an event -> the stage at fault for it. budget_m: level of
-    `BUDGET_LEVELS` -> error (F, T) [m], NaN where a level has none.
+    `BUDGET_LEVELS` -> error (F, T) [m], NaN where a level has none. renderer: description of the
+    OpenGL renderer of its pictures, "" where not known; replayed: they were in the cache.
     Raises ValueError where views, targets or frames do not fit together.
     """
 
@@ -72,6 +73,8 @@ class Episode:
     film: tuple[Still, ...] = ()
     blame: Mapping[tuple[str, int, int], str] = field(default_factory=dict)
     budget_m: Mapping[str, Floats] = field(default_factory=dict)
+    renderer: str = ""
+    replayed: bool = False
 
     def __post_init__(self) -> None:
         name = f"Episode {self.scenario!r} seed {self.seed}"

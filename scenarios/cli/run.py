@@ -13,6 +13,7 @@ from pjpdaf.presets.names import DEFAULT_PRESET
 from scenarios.cli.options import (
     Detections,
     Jobs,
+    Lag,
     PlugInName,
     PresetName,
     RunOut,
@@ -68,6 +69,13 @@ def run(
         ),
     ] = None,
     detections: Detections = None,
+    lag: Lag = 0,
+    no_cache: Annotated[
+        bool,
+        typer.Option(
+            "--no-cache", help="Render all pictures anew; `cache info` says what is kept."
+        ),
+    ] = False,
 ) -> None:
     """Play scenarios, score them, print the table, save the run and its report.
 
@@ -91,6 +99,8 @@ def run(
                 keep_films=films and not slim,
                 dataset=from_,
                 detections=detections,
+                lag=lag,
+                use_cache=not no_cache,
             ),
             preset=preset,
             jobs=jobs,

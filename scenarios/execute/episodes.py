@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from pjpdaf.errors import BenchError, PlugInFault
+from pjpdaf.errors import BenchError, InfrastructureError, PlugInFault
 from pjpdaf.plugins.registry import describe_exception
 from reports.run.films import films_to_keep
 from reports.run.rows import EpisodeRows, rows_of
 from reports.score.records import EpisodeFailure, FailureKind
 from scenarios.execute.executor import Executor
+from scenarios.play.footage import is_cached
 from scenarios.play.job import Job, digest_of
 from scenarios.play.play import play_complete
 from sim.contact.contact import Unposable
@@ -23,7 +24,7 @@ EPISODE_TIME_LIMIT_S = 900.0
 class PlayResults:
     """The results of a list of jobs, in their order; of an interrupted run the finished ones.
 
-    renderer: its description, "" where nothing was rendered.
+    renderer: the description of what drew their pictures, "" where that is not known.
     """
 
     rows: tuple[EpisodeRows, ...]
@@ -64,8 +65,8 @@ def play_all(
     interrupted = False
     renderer = ""
     try:
-        if any(job.kept is None for job in jobs):
-            renderer = executor.renderer()
+        if not all(job.kept is not None or is_cached(job) for job in jobs):
+            renderer = _renderer_of(executor, jobs)
         for indexed in executor.outcomes(_play_safely, dict(enumerate(jobs)), time_limit_s):
             if indexed is None:
                 continue
@@ -76,7 +77,22 @@ def play_all(
             on_done(results[index])
     except KeyboardInterrupt:
         interrupted = True
-    return PlayResults(tuple(results[i] for i in sorted(results)), interrupted, renderer)
+    rows = tuple(results[i] for i in sorted(results))
+    drawn_by = "; ".join(sorted({row.renderer for row in rows if row.renderer}))
+    return PlayResults(rows, interrupted, drawn_by or renderer)
+
+
+def _renderer_of(executor: Executor, jobs: Sequence[Job]) -> str:
+    """The renderer of the executor's processes.
+
+    Raises InfrastructureError without OpenGL, unless pictures of every job are in the cache.
+    """
+    try:
+        return executor.renderer()
+    except InfrastructureError:
+        if all(job.kept is not None or is_cached(job, anyhow=True) for job in jobs):
+            return ""
+        raise
 
 
 def _rows_of_outcome(

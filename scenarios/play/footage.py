@@ -1,23 +1,30 @@
-"""The footage that a job plays: a live simulation, or a stored sequence of a data set."""
+"""The footage that a job plays: live, from the cache, or a stored sequence of a data set."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Protocol
 
 from pjpdaf.camera import StereoRig
 from pjpdaf.frames import StereoFrame
-from scenarios.play.job import Job
+from scenarios.cache.key import FootageKey, footage_key
+from scenarios.cache.renderer import asked_renderer, known_renderer, remember
+from scenarios.cache.settings import cache_settings
+from scenarios.cache.store import FootageCache
+from scenarios.play.job import Job, digest_of
 from scenarios.play.recipe import sized
 from scenarios.spec.draw import perform
 from sim.dataset.stored_sequence import StoredSequence
+from sim.recording.recorder import RecordedSimulation
+from sim.script import Performance
 from sim.sequence import Simulation
 from sim.truth import Truth
 
 
 class Footage(Protocol):
-    """The frames that a job plays: of a live simulation, or stored, as in a data set."""
+    """The frames that a job plays: of a live simulation, recorded, or stored in a data set."""
 
     @property
     def fps(self) -> float:
@@ -44,6 +51,11 @@ class Footage(Protocol):
         """The calibration that the tracker is given."""
         ...
 
+    @property
+    def renderer(self) -> str:
+        """Description of the OpenGL renderer that drew it, "" where that is not known."""
+        ...
+
     def background(self) -> list[StereoFrame]:
         """Person-free frames, for learning."""
         ...
@@ -55,10 +67,65 @@ class Footage(Protocol):
 
 @contextmanager
 def open_footage(job: Job) -> Iterator[Footage]:
-    """The footage of a job, ready to be played. Raises what scenario or renderer raise."""
+    """The footage of a job, ready to be played. Raises what scenario or renderer raise.
+
+    What is rendered is kept in the cache, and comes from there the next time.
+    """
     if job.kept is not None:
         yield StoredSequence(job.kept, {})
         return
-    performance = sized(perform(job.scenario, job.seed, job.overrides), job.size_px)
-    with Simulation(performance) as simulation:
-        yield simulation
+    cache = footage_cache(job)
+    if cache is None:
+        with Simulation(performance_of(job)) as simulation:
+            yield simulation
+        return
+    key = key_of(job)
+    recording = cache.open(key, renderer_here(cache.settings.folder))
+    if recording is not None:
+        with recording:
+            yield recording
+        return
+    with Simulation(performance_of(job)) as simulation:
+        remember(cache.settings.folder, simulation.renderer)
+        with cache.pending(key, simulation.renderer) as pending:
+            if pending is None:
+                yield simulation
+                return
+            recorded = RecordedSimulation(simulation, pending.file, key.record)
+            try:
+                yield recorded
+            finally:  # of a plug-in that fails the pictures are good, if it has seen all
+                pending.keep = recorded.complete
+
+
+def footage_cache(job: Job) -> FootageCache | None:
+    """The cache that a job's pictures come from and go to, None where it uses none."""
+    settings = cache_settings() if job.use_cache and job.kept is None else None
+    return None if settings is None else FootageCache(settings)
+
+
+def key_of(job: Job) -> FootageKey:
+    """The key of a job's footage."""
+    return footage_key(digest_of(job), job.scenario.twins)
+
+
+def is_cached(job: Job, *, anyhow: bool = False) -> bool:
+    """Whether a job's pictures are in the cache, as far as can be told without OpenGL.
+
+    anyhow: also those of another renderer, which are played where there is no OpenGL.
+    """
+    cache = footage_cache(job)
+    if cache is None:
+        return False
+    renderer = known_renderer(cache.settings.folder)
+    return (renderer is not None or anyhow) and cache.find(key_of(job), renderer) is not None
+
+
+def renderer_here(folder: Path) -> str | None:
+    """The renderer that would draw here; None without OpenGL: then that of any entry will do."""
+    return known_renderer(folder) or asked_renderer(folder)
+
+
+def performance_of(job: Job) -> Performance:
+    """The performance of a job. Raises BenchError, Unposable."""
+    return sized(perform(job.scenario, job.seed, job.overrides), job.size_px)

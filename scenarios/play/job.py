@@ -17,12 +17,16 @@ from sim.motion.stage import Value
 
 @dataclass(frozen=True)
 class System:
-    """The system under test: names of detector and tracker, and changed parameters of each."""
+    """The system under test: names of detector and tracker, and changed parameters of each.
+
+    lag: frames by which estimates come later than their frame (`pjpdaf.follow`).
+    """
 
     detector: str = DEFAULT_PRESET
     tracker: str = DEFAULT_PRESET
     detector_settings: Mapping[str, str] = field(default_factory=dict)
     tracker_settings: Mapping[str, str] = field(default_factory=dict)
+    lag: int = 0
 
 
 @dataclass(frozen=True)
@@ -32,9 +36,9 @@ class Job:
     keep_pictures: keep overlay pictures of some frames; keep_film: keep small plain pictures of
     all frames. label: its name in the results, "" for the scenario's; kept: folder of a data set's
     sequence that is read instead of rendering; detections: a table a view in place of a detector;
-    size_px: width and height of its pictures, None for
-    the scenario's. Files among the overrides are read when the job is made, and raise BenchError
-    where that fails.
+    size_px: width and height of its pictures, None for the scenario's; use_cache: its pictures may
+    come from the cache, and go there. Files among the overrides are read when the job is made, and
+    raise BenchError where that fails.
     """
 
     scenario: Scenario
@@ -47,6 +51,7 @@ class Job:
     kept: Path | None = None
     size_px: tuple[int, int] | None = None
     detections: tuple[DetectionTable, ...] | None = None
+    use_cache: bool = True
 
     def __post_init__(self) -> None:
         checked = dict(self.overrides)

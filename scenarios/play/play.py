@@ -11,7 +11,7 @@ from pjpdaf.camera import StereoRig
 from pjpdaf.detector.external import DetectionTable, ExternalDetector
 from pjpdaf.follow import FollowedFrame, follow
 from pjpdaf.interfaces import Detections, Detector, Tracker
-from pjpdaf.plugins.checked import CheckedDetector, CheckedTracker
+from pjpdaf.plugins.checked import CheckedDetector, checked_tracker
 from pjpdaf.plugins.registry import make_detector, make_tracker
 from pjpdaf.presets.registry import PRESETS
 from reports.score.records import Episode, FrameOutcome
@@ -21,6 +21,7 @@ from scenarios.play.footage import Footage, open_footage
 from scenarios.play.job import Job, System, digest_of
 from scenarios.play.pictures import PictureCollector
 from scenarios.spec.draw import concrete
+from sim.recording.recording import Recording
 from sim.truth import Truth
 
 
@@ -41,7 +42,7 @@ def make_system(
             detector = CheckedDetector(name, detector, len(rig.cameras))
     tracker = make_tracker(system.tracker, rig.cameras, system.tracker_settings)
     if system.tracker not in PRESETS:
-        tracker = CheckedTracker(f"tracker {system.tracker!r}", tracker)
+        tracker = checked_tracker(f"tracker {system.tracker!r}", tracker)
     return detector, tracker
 
 
@@ -52,7 +53,7 @@ def play(job: Job) -> Episode:
     """
     with open_footage(job) as footage:
         detector, tracker = make_system(job.system, footage.calibration, job.detections)
-        return play_footage(job, footage, detector, tracker)
+        return with_origin(play_footage(job, footage, detector, tracker), footage)
 
 
 def play_complete(job: Job) -> Episode:
@@ -75,9 +76,15 @@ def complete_episode(job: Job, footage: Footage) -> Episode:
         collector.add(step, truth)
 
     episode = play_footage(job, footage, detector, tracker, keep)
-    episode = with_blame(episode, cameras, tracker, seen)
-    episode = with_error_budget(episode, cameras, tracker, seen)
-    return collector.added_to(episode)
+    episode = with_blame(episode, cameras, tracker, seen, job.system.lag)
+    episode = with_error_budget(episode, cameras, tracker, seen, job.system.lag)
+    return with_origin(collector.added_to(episode), footage)
+
+
+def with_origin(episode: Episode, footage: Footage) -> Episode:
+    """The episode with the origin of its pictures."""
+    replayed = isinstance(footage, Recording)
+    return replace(episode, renderer=footage.renderer, replayed=replayed)
 
 
 def play_footage(
@@ -95,7 +102,7 @@ def play_footage(
     learnt = detector.learn(footage.background())
     # Frames and truths apart: neither detector nor tracker is near the truth.
     for_loop, for_scores = itertools.tee(footage.frames())
-    steps = follow((frame for frame, _ in for_loop), learnt, tracker)
+    steps = follow((frame for frame, _ in for_loop), learnt, tracker, job.system.lag)
     for step, (_, truth) in zip(steps, for_scores, strict=False):
         stages_s = {"render": step.render_s, "detect": step.detect_s, "track": step.track_s}
         slim = tuple(replace(view, mask=None, looks=None) for view in step.detections)

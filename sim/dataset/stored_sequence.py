@@ -110,6 +110,13 @@ class StoredSequence:
         """Content of recipe.json."""
         return read_json(self.path(RECIPE))
 
+    @property
+    def renderer(self) -> str:
+        """Description of the renderer of its pictures, "" where the recipe has none."""
+        made_with = self.recipe.get("made_with")
+        renderer = made_with.get("renderer") if isinstance(made_with, dict) else None
+        return renderer[:300] if isinstance(renderer, str) else ""
+
     @cached_property
     def events(self) -> dict[str, Any]:
         """Content of events.json."""

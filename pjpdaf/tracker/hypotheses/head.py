@@ -24,7 +24,6 @@ RESIDUAL_PX = 6.0  # rms, of two views that agree
 MERGED_PX = 4.0, 1.5  # deviations of a merged head's centre: common to the views, between them
 ALONG_RAY_M = 0.1
 CROWN_M = 0.157  # height of the hair's top above the centre of the skin, of an average person
-CROWN_SHARE = 0.74  # by which the skin's centre is lower where the hair begins lower, fitted
 CROWNS_M = 0.10, 0.22  # of people
 
 
@@ -50,7 +49,7 @@ class HeadTrack:
         How far it is above the centre of the skin goes with how much the hair hides.
         """
         right, down, away = p.offsets.head_offset_m
-        down -= CROWN_SHARE * (self.crown_m - CROWN_M)
+        down -= p.offsets.crown_share * (self.crown_m - CROWN_M)
         return np.asarray(self.mean + np.array([right, down, away]) @ axes)
 
 

@@ -1,0 +1,159 @@
+"""What each part of `default` is worth: each removed, and each alone added.
+
+Prints the tables of docs/tracker.md, "Each part removed, each part alone":
+    pjpdaf-bench dataset make core --seeds 1 --labels none --export none --out sets/core
+    python examples/ablation.py --from sets/core --out ablation.jsonl
+Without --from it renders: python examples/ablation.py core --seeds 1
+
+A variant of the tracker is given the detections that `default` led to. Parts of the detector are
+tried where the pictures need them: in the group `baseline`, which has the nuisances.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from replays import Result, Variant, by_group, change, main, outcome, share
+
+from scenarios.play.job import System
+
+NUISANCES = ("baseline",)
+Settings = Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of `default`: the parameters that remove it, and the part that it acts through."""
+
+    name: str
+    off: Settings
+    needs: Settings = field(default_factory=dict)
+
+
+DETECTOR = tuple(
+    Part(name, {parameter: "false"})
+    for name, parameter in (
+        ("noise", "smooth_noise"),
+        ("chroma", "test_chroma"),
+        ("light", "balance_light"),
+        ("clothes", "split_clothes"),
+        ("rotation of the cameras", "align_views"),
+    )
+)
+# A hand that costs this much is never chosen.
+NEVER = "1e6"
+OFFSETS = {"hand_offset_m": "0,0,0", "head_offset_m": "0,0,0"}
+SLEEVES, HYPOTHESES = {"sleeve_weight": "0"}, {"hypotheses": "1"}
+TRACKER = (
+    Part("pieces beside the head", {"beside_head": "false"}),
+    Part("halves", {"halves": "false"}),
+    Part("ends of bare arms", {"ends": "false"}),
+    Part("middle of the palm", {"palm": "0"}),
+    Part("sleeves", SLEEVES),
+    Part("fingers", {"finger_weight": "0"}, SLEEVES),
+    Part("fading evidence", {"memory_s": "1e9"}, SLEEVES),
+    Part("more than one hypothesis", HYPOTHESES),
+    Part("mean of hypotheses", {"mean_within": "0"}, HYPOTHESES),
+    Part("rest, movement and fast movement", {"deviations_m": "0.168,0.168,0.168"}),
+    Part("errors common to both views", {"whole_px": "0.1,2.6", "part_px": "0.1,8.2"}),
+    Part("sightings of one view", {"single_view": NEVER}),
+    Part("a hand at the face", {"face": NEVER}),
+    Part("blobs want owners", {"unexplained": "0"}),
+    Part("pieces of face and neck", {"piece": "0"}),
+    Part("size of the hands learnt", {"area_memory": "0"}),
+    Part("height of the hair", {"crown_share": "0"}, OFFSETS),
+    Part("offsets to the body's centre", OFFSETS),
+)
+
+
+def joined(*settings: Settings) -> Settings:
+    """All settings together."""
+    return {name: value for one in settings for name, value in one.items()}
+
+
+NO_DETECTOR = joined(*(part.off for part in DETECTOR))
+NO_TRACKER = joined(*(part.off for part in TRACKER))
+
+
+def without(settings: Settings, kept: Settings) -> Settings:
+    """The settings whose names are not in `kept`."""
+    return {name: value for name, value in settings.items() if name not in kept}
+
+
+def of_detector(name: str, settings: Settings, tracker: str = "default") -> Variant:
+    """A variant of the detector, tried where the nuisances are."""
+    return Variant(name, System(tracker=tracker, detector_settings=settings), groups=NUISANCES)
+
+
+def of_tracker(name: str, settings: Settings) -> Variant:
+    """A variant of the tracker."""
+    return Variant(name, System(tracker_settings=settings))
+
+
+WHOLE = Variant("default", System())
+REMOVED = (
+    *(of_detector(f"without {part.name}", part.off) for part in DETECTOR),
+    of_detector("without the five above", NO_DETECTOR),
+    *(of_tracker(f"without {part.name}", part.off) for part in TRACKER),
+)
+THESIS = Variant("thesis", System("thesis", "thesis"))
+EXCHANGED = (
+    Variant("detector of default", System("default", "thesis")),
+    Variant("tracker of default", System("thesis", "default")),
+)
+PLAIN_DETECTOR = of_detector("thesis's tracker, components of default", NO_DETECTOR, "thesis")
+ADDED_TO_DETECTOR = tuple(
+    of_detector(f"with {part.name}", without(NO_DETECTOR, part.off), "thesis") for part in DETECTOR
+)
+PLAIN_TRACKER = of_tracker("pairs and joint choices alone", NO_TRACKER)
+ADDED_TO_TRACKER = tuple(
+    of_tracker(f"with {part.name}", without(NO_TRACKER, joined(part.off, part.needs)))
+    for part in TRACKER
+)
+ADDED = (
+    *(THESIS, *EXCHANGED),
+    *(PLAIN_DETECTOR, *ADDED_TO_DETECTOR),
+    *(PLAIN_TRACKER, *ADDED_TO_TRACKER),
+)
+VARIANTS = (WHOLE, *REMOVED, *ADDED)
+
+
+def table(title: str, base: Variant, others: tuple[Variant, ...], found: list[Result]) -> None:
+    """Print share, median, swaps and losses of a base, and what each other variant changes."""
+    mine = [result for result in found if result.variant == base.name]
+    of_base = {(result.scenario, result.seed): result for result in mine}
+    groups = [(name, len(results)) for name, results in by_group(mine)]
+    print(f"\n{title}\n\n| | " + " | ".join(f"{name}, n = {n}" for name, n in groups) + " |")
+    print("|---" * (len(groups) + 1) + "|")
+    cells = [f"{share(results)}; {outcome(results)}" for _, results in by_group(mine)]
+    print(f"| {base.name} | " + " | ".join(cells) + " |")
+    for variant in others:
+        results = [result for result in found if result.variant == variant.name]
+        row = {
+            name: f"{change(some, of_base)}; {outcome(some)}" for name, some in by_group(results)
+        }
+        if variant.groups:
+            row.pop("all", None)  # it would be of other episodes than the row above
+        print(f"| {variant.name} | " + " | ".join(row.get(name, "") for name, _ in groups) + " |")
+
+
+def show(found: list[Result]) -> None:
+    """Print the tables of the variants that were tried."""
+    tried = {result.variant for result in found}
+    for title, base, others in (
+        ("Each part removed", WHOLE, REMOVED),
+        ("Added to the thesis", THESIS, EXCHANGED),
+        ("Parts of the detector alone", PLAIN_DETECTOR, ADDED_TO_DETECTOR),
+        ("Parts of the tracker alone", PLAIN_TRACKER, ADDED_TO_TRACKER),
+    ):
+        if base.name in tried:
+            table(title, base, tuple(v for v in others if v.name in tried), found)
+
+
+if __name__ == "__main__":
+    main(
+        {"all": VARIANTS, "removed": (WHOLE, *REMOVED), "added": ADDED},
+        show,
+        "Ablation of the preset default.",
+    )

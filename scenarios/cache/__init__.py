@@ -1,0 +1,1 @@
+"""The cache of rendered footage in the user's cache folder."""

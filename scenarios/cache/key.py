@@ -1,0 +1,58 @@
+"""The key of an episode's footage: everything that decides its pictures but the renderer."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import importlib.metadata
+import json
+import platform
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from scenarios.cache.sources import simulator_digest
+from scenarios.spec.names import load_scenario
+from scenarios.spec.scenario import digest
+
+LIBRARIES = ("mujoco", "numpy", "opencv-python-headless", "scipy", "PyOpenGL")
+
+
+@dataclass(frozen=True)
+class FootageKey:
+    """Plain values that decide the pictures; the renderer is the other part of an entry's name."""
+
+    record: Mapping[str, object]
+
+    @functools.cached_property
+    def digest(self) -> str:
+        """SHA-256 of the values, hexadecimal."""
+        text = json.dumps(self.record, sort_keys=True, separators=(",", ":"))
+        return hashlib.sha256(text.encode()).hexdigest()
+
+
+def footage_key(episode_digest: str, twins: Sequence[str]) -> FootageKey:
+    """The key of an episode by its digest, which has scenario, seed, changes, files and size.
+
+    twins: names of the scenarios that can cause its draw to be thrown away.
+    """
+    return FootageKey(
+        {
+            "episode": episode_digest,
+            "twins": {name: digest(load_scenario(name)) for name in twins},
+            "simulator": simulator_digest(),
+            "libraries": dict(library_versions()),
+            "machine": f"{platform.system()} {platform.machine()}",
+        }
+    )
+
+
+@functools.cache
+def library_versions() -> Mapping[str, str]:
+    """Versions of Python and of the libraries that compute poses and pictures."""
+    versions = {"python": platform.python_version()}
+    for name in LIBRARIES:
+        try:
+            versions[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            versions[name] = ""
+    return versions

@@ -1,0 +1,1 @@
+"""Rendered sequences on disk, to be played again without rendering: light before the sensor."""

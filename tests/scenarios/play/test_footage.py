@@ -1,0 +1,129 @@
+"""Footage is rendered once, and what is replayed is what was rendered."""
+
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from commands import ENVIRONMENT
+
+from pjpdaf.errors import PlugInFault
+from reports.run.rows import rows_of
+from scenarios.cache.renderer import MEMO
+from scenarios.cache.settings import FOLDER_VARIABLE, SIZE_VARIABLE
+from scenarios.play.footage import is_cached, open_footage
+from scenarios.play.job import Job, System
+from scenarios.play.play import play_complete
+from scenarios.spec.names import load_scenario
+from sim import gl
+from sim.sequence import Simulation
+
+JOB = Job(
+    load_scenario("cross"),
+    5,
+    {"frames": 3, "background_frames": 10, "dropped": 0.1},
+    System(),
+    keep_pictures=True,
+    keep_film=True,
+    size_px=(160, 120),
+)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+def entries(folder):
+    return sorted(folder.rglob("*.rec"))
+
+
+def without_times(episode):
+    return repr(replace(rows_of(episode), stage_s={}, replayed=False))
+
+
+def test_an_episode_is_rendered_once_and_replayed_bit_for_bit(folder, monkeypatch):
+    assert not is_cached(JOB)
+    first = play_complete(JOB)
+    assert not first.replayed
+    assert len(entries(folder)) == 1
+    assert is_cached(JOB)
+
+    def refused(*arguments):
+        raise AssertionError("nothing is rendered, and OpenGL is not asked")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Simulation, "__init__", refused)
+        patch.setattr(gl, "describe", refused)
+        again = play_complete(JOB)
+        other_tracker = play_complete(replace(JOB, system=System("thesis", "thesis")))
+    assert again.replayed
+    assert other_tracker.replayed
+    assert again.renderer == first.renderer == gl.describe()
+    assert without_times(again) == without_times(first)
+    assert not any(
+        is_cached(replace(JOB, **other))
+        for other in ({"seed": 6}, {"overrides": {"frames": 2}}, {"use_cache": False})
+    )
+    uncached = play_complete(replace(JOB, use_cache=False))
+    assert not uncached.replayed
+    assert without_times(uncached) == without_times(first)
+
+
+def test_a_damaged_entry_is_rendered_again(folder):
+    first = play_complete(JOB)
+    (path,) = entries(folder)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    again = play_complete(JOB)
+    assert not again.replayed
+    assert without_times(again) == without_times(first)
+    assert path.read_bytes() == whole
+
+
+def test_what_is_not_played_to_its_end_is_not_kept(folder):
+    with open_footage(JOB) as footage:
+        next(iter(footage.frames()))
+    assert entries(folder) == []
+
+
+def played_by_a_faulty_system(footage):
+    pictures = list(footage.frames())
+    raise PlugInFault(pictures)
+
+
+def test_pictures_of_a_system_that_fails_after_all_of_them_are_good(folder):
+    with pytest.raises(PlugInFault) as fault, open_footage(JOB) as footage:
+        played_by_a_faulty_system(footage)
+    (pictures,) = fault.value.args
+    assert is_cached(JOB)
+    with open_footage(JOB) as footage:
+        for (one, _), (other, _) in zip(footage.frames(), pictures, strict=True):
+            for a, b in zip(one.pictures, other.pictures, strict=True):
+                np.testing.assert_array_equal(a, b)
+
+
+def test_a_cache_that_is_too_small_or_cannot_be_written_is_none(folder, monkeypatch, tmp_path):
+    monkeypatch.setenv(SIZE_VARIABLE, "0.000001")
+    assert not play_complete(JOB).replayed
+    assert entries(folder) == []
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "file" / "cache"))
+    assert not play_complete(JOB).replayed
+
+
+def test_no_opengl_is_needed(folder):
+    first = play_complete(JOB)
+    (folder / MEMO).unlink()
+    code = (
+        "import sys; from scenarios.play.job import Job, System; "
+        "from scenarios.play.play import play; from scenarios.spec.names import load_scenario; "
+        f"job = Job(load_scenario('cross'), 5, {JOB.overrides!r}, System(), size_px=(160, 120)); "
+        "episode = play(job); print(episode.replayed, 'mujoco' in sys.modules, episode.renderer)"
+    )
+    environment = {**ENVIRONMENT, FOLDER_VARIABLE: str(folder), "MUJOCO_GL": "disabled"}
+    words = [sys.executable, "-c", code]
+    done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)
+    assert done.stdout == f"True False {first.renderer}\n", done.stderr
