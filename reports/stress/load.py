@@ -17,7 +17,7 @@ from reports.stress.records import (
 )
 
 EPISODES = "episodes"
-FILES = ("search.json", "map.json", "estimate.json", "compare.json")
+FILES = ("failures.json", "map.json", "estimate.json", "compare.json")
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,7 @@ def _load(folder: Path) -> StressFolder:
     episodes = folder / EPISODES
     return StressFolder(
         folder,
-        read_record(folder / "search.json", SearchFile),
+        read_record(folder / "failures.json", SearchFile),
         read_record(folder / "map.json", MapFile),
         read_record(folder / "estimate.json", EstimateFile),
         read_record(folder / "compare.json", CompareFile),

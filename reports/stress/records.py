@@ -204,7 +204,7 @@ class StressFile(Record):
 
 
 class SearchFile(StressFile):
-    """search.json."""
+    """failures.json: what a search found, for the page."""
 
     kind: Literal["search"] = "search"
     searches: tuple[SearchRecord, ...]

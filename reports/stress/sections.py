@@ -96,6 +96,16 @@ class Probabilities:
     columns: tuple[tuple[str, Goal], ...]
     rows: Mapping[str, tuple[EstimateRecord | None, ...]]
 
+    @property
+    def about(self) -> str:
+        """What the figures are about, in a sentence."""
+        kinds = {r.fidelity for row in self.rows.values() for r in row if r is not None}
+        if kinds == {"full"}:
+            return "All are about rendered pictures."
+        if kinds == {"fast"}:
+            return "All are about fast runs, without pictures: no full run corrects them."
+        return "Some are about rendered pictures, some about fast runs: see below."
+
 
 def failure_cards(folders: Sequence[PlayedFolder]) -> list[FailureCard]:
     """The distinct failures of all searches, confirmed ones first, then by severity."""
