@@ -23,6 +23,7 @@ from scenarios.execute.journal import Journal
 from scenarios.execute.local import local_executor, worker_count
 from scenarios.play.job import System
 from scenarios.play.settings import read_settings
+from scenarios.spec.draw import SETTINGS
 from scenarios.spec.parameters.numeric import Numeric
 from scenarios.spec.parameters.units import parse_quantity
 from scenarios.stress.case import Fidelity
@@ -205,7 +206,7 @@ def _has(family: StressFamily, name: str) -> bool:
     try:
         family.parameter(name)
     except BenchError:
-        return name in family.scenario.parameters
+        return name in family.scenario.parameters or name in SETTINGS
     return True
 
 
