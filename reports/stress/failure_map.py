@@ -44,7 +44,7 @@ def failure_map(record: MapRecord, goal: Goal, links: Mapping[tuple[str, int], s
         cells.append(DrawnCell(cell, share, f"{failures}/{cell.n}" if cell.n else "–", title))
     elements = [*_cells(cells, x, y, links), *_contour(record.cells, goal, record.level, x, y)]
     legend = [
-        *_legend(("0", "1"), "share of trials that failed"),
+        *_legend(("0", "1"), "of the trials failed"),
         f'<path class="contour" d="M{WIDTH - 150} 0h26" transform="translate(0 {_height() - 13})"/>'
         f'<text x="{WIDTH - 118}" y="{_height() - 9}">contour at {record.level:g}</text>',
     ]

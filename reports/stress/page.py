@@ -124,12 +124,17 @@ def _films(run: SavedRun) -> dict[tuple[str, int], dict[int, bytes]]:
 
 
 def _systems(folders: Sequence[StressFolder]) -> list[str]:
-    return [
+    """The systems under test, each comparison's two."""
+    names = [
         file.system
         for folder in folders
-        for file in (folder.search, folder.map, folder.estimate, folder.compare)
+        for file in (folder.search, folder.map, folder.estimate)
         if file is not None
     ]
+    for folder in folders:
+        for record in folder.compare.comparisons if folder.compare is not None else ():
+            names += [record.a, record.b]
+    return names
 
 
 def _verdicts(searches: Any, cards: Sequence[FailureCard], estimates: Probabilities) -> list[str]:

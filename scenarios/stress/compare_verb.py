@@ -15,12 +15,12 @@ from reports.stress.page import write_stress_page
 from reports.stress.records import CompareFile, CompareRecord, MapRecord, write_record
 from reports.stress.words import GOAL_SHORT
 from scenarios.play.job import System
-from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
+from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign, spaces_of
 from scenarios.stress.case import Case, Trial, TrialResult
 from scenarios.stress.estimate.outcomes import noise_seeds, normal_draws
 from scenarios.stress.map.explore import MapPlan, explore
 from scenarios.stress.map.record import map_record
-from scenarios.stress.map_verb import check_plan
+from scenarios.stress.map_verb import check_plan, check_spaces
 from scenarios.stress.paired import paired_failures
 from scenarios.stress.search_verb import goals_of
 from scenarios.stress.space import Space
@@ -44,6 +44,17 @@ class CompareRequest:
     argv: tuple[str, ...] = ()
 
 
+def difference_plan(
+    x: str | None, y: str | None, cells: int, seeds: int, seed: int, find: str
+) -> MapPlan | None:
+    """The plan of the difference map, None without axes. Raises BenchError for one axis alone."""
+    if x is None and y is None:
+        return None
+    if x is None or y is None:
+        raise BenchError("a map of the difference needs both --x and --y")
+    return MapPlan(x, y, cells, seeds, refine=0, goal=goals_of(find)[0], seed=seed)
+
+
 def compare_verb(request: CompareRequest) -> None:
     """Compare, print the table, write compare.json and the page. Raises as `map_verb`."""
     goals = goals_of(request.goals)
@@ -64,6 +75,8 @@ def compare_verb(request: CompareRequest) -> None:
             "plan": asdict(request.plan) if request.plan is not None else None,
         },
     )
+    if request.plan is not None:
+        check_spaces(spaces_of(wanted), request.plan)
     with open_campaign(wanted) as campaign:
         records = [
             record for space in campaign.spaces for record in _compared(campaign, space, request)

@@ -126,7 +126,7 @@ def _corrected(
         outcomes = outcomes_of(_run(campaign, cases, "full"), goal)
         failed = outcomes.failed & outcomes.counted
         played.append(FullRuns(int(outcomes.counted.sum()), int(failed.sum())))
-    result = corrected(fast, *played, campaign.request.seed)
+    result = corrected(fast, played[0], played[1], campaign.request.seed)
     verdict = record.verdict
     if not result.conclusive:
         verdict = "inconclusive"

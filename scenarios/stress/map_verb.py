@@ -12,10 +12,10 @@ from reports.score.robustness import GOALS
 from reports.stress.page import write_stress_page
 from reports.stress.records import EpisodeKey, MapFile, MapRecord, write_record
 from reports.stress.words import GOAL_WORDS, share_text
-from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
+from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign, spaces_of
 from scenarios.stress.case import Case, Trial, TrialResult
-from scenarios.stress.map.cells import MOST_CELLS
-from scenarios.stress.map.explore import MapPlan, PlayedCell, axes_of, explore
+from scenarios.stress.map.cells import MOST_CELLS, grid
+from scenarios.stress.map.explore import MapPlan, PlayedCell, axes_of, check_runs, explore
 from scenarios.stress.map.record import map_record
 from scenarios.stress.recording import Shown, record_episodes
 from scenarios.stress.space import Space
@@ -51,6 +51,7 @@ def map_verb(request: MapRequest) -> None:
         also=tuple(dict.fromkeys((*request.campaign.also, *axes))),
         options={**asdict(plan), "episodes": request.episodes},
     )
+    check_spaces(spaces_of(wanted), plan)
     with open_campaign(wanted) as campaign:
         records, shown = [], []
         for space in campaign.spaces:
@@ -90,10 +91,16 @@ def check_plan(plan: MapPlan) -> None:
         raise BenchError(f"--x and --y are both {plan.x}; a map needs two parameters")
 
 
+def check_spaces(spaces: Sequence[Space], plan: MapPlan) -> None:
+    """Raise BenchError where a family has no such map, before anything is played."""
+    for space in spaces:
+        x, y = axes_of(space, plan)
+        check_runs(len(grid(x, y, plan.cells)), plan)
+
+
 def _mapped(campaign: Campaign, space: Space, request: MapRequest) -> tuple[MapRecord, list[Shown]]:
     """The map of a family, and the trials that the page plays."""
     plan, name = request.plan, space.family.name
-    axes_of(space, plan)
     campaign.progress.start(f"{name}: map")
 
     def evaluate(cases: Sequence[Case]) -> Sequence[TrialResult]:

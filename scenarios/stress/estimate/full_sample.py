@@ -21,9 +21,10 @@ def failing_draws(sample: Sample, n: int, seed: int) -> list[int]:
     total = np.cumsum(sample.weights[failed])
     # Systematic: one random start, then equal steps.
     places = (np.arange(n) + rng.random()) / n * total[-1]
-    return sorted(failed[np.searchsorted(total, places, side="right")].tolist())
+    chosen = failed[np.searchsorted(total, places, side="right")]
+    return sorted(int(n) for n in chosen)
 
 
 def passing_draws(sample: Sample, n: int) -> list[int]:
     """Positions of the first n nominal draws that fast passed; they are in random order."""
-    return np.flatnonzero(sample.passed)[: max(n, 0)].tolist()
+    return [int(i) for i in np.flatnonzero(sample.passed)[: max(n, 0)]]

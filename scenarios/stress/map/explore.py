@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 from pjpdaf.errors import BenchError
 from reports.score.robustness import Goal, measures_of
@@ -14,6 +14,8 @@ from scenarios.stress.map.cells import MOST_RUNS, Cell, grid, on_contour, split
 from scenarios.stress.space import Axis, Space
 
 Evaluate = Callable[[Sequence[Case]], Sequence[TrialResult]]
+Others = Literal["drawn", "medians"]
+OTHERS: tuple[Others, ...] = get_args(Others)
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,7 @@ class MapPlan:
     refine: int = 1
     goal: Goal = "swap"
     level: float = 0.5
-    others: Literal["drawn", "medians"] = "drawn"
+    others: Others = "drawn"
     seed: int = 0
 
 
@@ -74,7 +76,7 @@ def explore(space: Space, plan: MapPlan, evaluate: Evaluate) -> tuple[list[Playe
     done: list[PlayedCell] = []
     runs = 0
     for left in range(plan.refine, -1, -1):
-        _check_runs(len(done) + len(waiting), plan)
+        check_runs(len(done) + len(waiting), plan)
         done += _play(space, plan, waiting, evaluate)
         runs += len(waiting) * plan.seeds
         tallies = [(cell.failures(plan.goal), cell.played) for cell in done]
@@ -90,6 +92,14 @@ def explore(space: Space, plan: MapPlan, evaluate: Evaluate) -> tuple[list[Playe
     return sorted(done, key=lambda c: (c.cell.y, c.cell.x)), runs
 
 
+def others_named(text: str) -> Others:
+    """What the other parameters do. Raises BenchError."""
+    for name in OTHERS:
+        if text == name:
+            return name
+    raise BenchError(f"--others {text[:60]}: must be drawn or medians")
+
+
 def axes_of(space: Space, plan: MapPlan) -> tuple[Axis, Axis | None]:
     """The axes of a map. Raises BenchError."""
     if plan.x == plan.y:
@@ -97,7 +107,8 @@ def axes_of(space: Space, plan: MapPlan) -> tuple[Axis, Axis | None]:
     return space.axis(plan.x), None if plan.y is None else space.axis(plan.y)
 
 
-def _check_runs(cells: int, plan: MapPlan) -> None:
+def check_runs(cells: int, plan: MapPlan) -> None:
+    """Raise BenchError where so many cells are too many runs."""
     if cells * plan.seeds > MOST_RUNS:
         raise BenchError(
             f"{cells} cells with {plan.seeds} seeds are {cells * plan.seeds} runs; at most "
