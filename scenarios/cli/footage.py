@@ -11,6 +11,7 @@ import typer
 from pjpdaf.presets.names import DEFAULT_PRESET
 from scenarios.cli.options import (
     Detections,
+    Lag,
     LeftView,
     PlugInName,
     PresetName,
@@ -65,6 +66,7 @@ def track(
         typer.Option(help="Unit of the calibration's T: m, cm, mm, in, or a number of metres."),
     ] = "m",
     detections: Detections = None,
+    lag: Lag = 0,
 ) -> None:
     """Track head and hands in real footage: tracks.csv, tracks.parquet, overlay film, report page.
 
@@ -92,6 +94,7 @@ def track(
             out=out,
             argv=tuple(sys.argv[1:]),
             detections=detections,
+            lag=lag,
         )
     )
 

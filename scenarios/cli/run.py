@@ -13,6 +13,7 @@ from pjpdaf.presets.names import DEFAULT_PRESET
 from scenarios.cli.options import (
     Detections,
     Jobs,
+    Lag,
     PlugInName,
     PresetName,
     RunOut,
@@ -69,6 +70,7 @@ def run(
         ),
     ] = None,
     detections: Detections = None,
+    lag: Lag = 0,
     no_cache: Annotated[
         bool,
         typer.Option(
@@ -93,8 +95,8 @@ def run(
     from scenarios.run.run import resume_run, run_suite
 
     if resume is not None:
-        asked = (targets, seeds, settings, out, only, from_, detections, first_seed, slim, films)
-        if any(asked) or no_cache or preset != DEFAULT_PRESET:
+        asked = (targets, seeds, settings, out, only, from_, detections, first_seed, slim)
+        if any((*asked, films, lag, no_cache)) or preset != DEFAULT_PRESET:
             raise BenchError(
                 "--resume goes on with what was asked for: beside it only --jobs, --time-limit, "
                 "and --tracker or --detector, which must be the same"
@@ -116,6 +118,7 @@ def run(
                 keep_films=films and not slim,
                 dataset=from_,
                 detections=detections,
+                lag=lag,
                 use_cache=not no_cache,
             ),
             preset=preset,

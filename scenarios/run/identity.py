@@ -7,6 +7,7 @@ import hashlib
 import importlib.util
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, fields
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
@@ -43,16 +44,17 @@ def run_identity(jobs: Sequence[Job], preset: str) -> str:
 
 def job_key(job: Job) -> str:
     """SHA-256 of all of a job that decides its rows, but for code."""
-    system = job.system
+    # A field that is new to a job counts from its first day.
+    record = {field.name: getattr(job, field.name) for field in fields(job)}
+    for name in ("scenario", "overrides", "size_px", "label", "use_cache"):
+        del record[name]
     return _digest(
-        {
+        record
+        | {
             "name": job.name,
-            "seed": job.seed,
-            "digest": digest_of(job),
-            "system": [system.detector, system.tracker],
-            "settings": [dict(system.detector_settings), dict(system.tracker_settings)],
-            "keep": [job.keep_pictures, job.keep_film],
-            "sequence": None if job.kept is None else sequence_digest(job.kept),
+            "digest": digest_of(job),  # of scenario, overrides and size
+            "system": asdict(job.system),
+            "kept": None if job.kept is None else sequence_digest(job.kept),
             "detections": None if job.detections is None else [*map(_table, job.detections)],
         }
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,6 +28,12 @@ from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
 from scenarios.execute.local import local_executor, worker_count
 from scenarios.play.from_dataset import open_with_sequences, renderer_of
 from scenarios.play.plan import plan
+from scenarios.run.corpus_verdict import (
+    CaseOutcome,
+    outcomes_of,
+    refuse_regressions,
+    verdict_lines,
+)
 from scenarios.run.request import REQUEST, RunRequest, read_request
 from scenarios.run.save_run import save_run
 from scenarios.run.unfinished import UnfinishedRun, reserved, unfinished_run
@@ -99,13 +106,15 @@ def _play_and_save(
     if not request.slim:
         write_page([saved], run.staged / "report.html")
     run.publish(complete=saved.meta["complete"])
-    _print_results(request, run, played, saved, wall_s, workers)
+    corpus = outcomes_of(request.plan.targets, run.jobs, played.rows)
+    _print_results(request, run, played, saved, corpus, wall_s, workers)
     if arrived.arrived:
         raise Interrupted(
             f"interrupted: {len(played.rows)} of {len(run.jobs)} episodes are in the saved run; "
             f"`pjpdaf-bench run --resume {run.shown}` goes on"
         )
     refuse_failures(played)
+    refuse_regressions(corpus)
 
 
 def _print_results(
@@ -113,6 +122,7 @@ def _print_results(
     run: UnfinishedRun,
     played: PlayResults,
     saved: SavedRun,
+    corpus: Sequence[CaseOutcome],
     wall_s: float,
     workers: int,
 ) -> None:
@@ -133,6 +143,8 @@ def _print_results(
     settings = cache_settings() if request.plan.use_cache else None
     if origin := origin_line(played.rows, settings):
         out.print(origin, highlight=False, soft_wrap=True)
+    for line in verdict_lines(corpus):
+        out.print(line, highlight=False, soft_wrap=True)
     if request.slim:
         out.print(f"slim run: {run.shown}", highlight=False, soft_wrap=True)
     else:

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats, Ints
+from pjpdaf.tracker.hypotheses.blobs import Blobs
+from pjpdaf.tracker.hypotheses.border import agreed_centres, cut_sides
 from pjpdaf.tracker.hypotheses.candidates import BESIDE, END, WHOLE, Candidates
 from pjpdaf.tracker.hypotheses.geometry import Views, stereo_information
 from pjpdaf.tracker.hypotheses.parameters import CostParameters, NoiseParameters
@@ -18,6 +20,10 @@ WHOLE_COST = 2.0  # two blobs agree as they are below this cost
 PART_M = 0.30  # parts of a blob are no further from its centre
 ALONG_RAY_M = 0.12  # deviation of the depth of a hand that only one view shows
 LOG_AREA_SD = 0.5  # between the areas that two views show
+CUT_ROWS_PX = 25.0  # from the row that is expected, of a hand that the picture's edge cuts
+PARTNER_M = 0.35
+CUT_ROWS_PX = 25.0  # from the row that is expected, of a hand that the picture's edge cuts
+PARTNER_M = 0.35  # from where some hand is expected
 SANE_COST = 8.0  # of the epipolar error
 
 
@@ -56,12 +62,14 @@ def pair_candidates(
     expected_m: Floats,
     noise: NoiseParameters,
     costs: CostParameters,
+    cut: tuple[Blobs, ...] | None = None,
 ) -> Pairs:
     """All stereo-consistent pairs, and single sightings of candidates without a partner.
 
-    expected_m (h, 3): where hands are expected, which gives a single sighting its depth.
+    expected_m (h, 3): where hands are expected, which gives a single sighting its depth. cut: the
+    views' blobs, where those that the picture's edge cuts are to be corrected.
     """
-    double = _stereo(views, candidates, expected_m, noise, costs)
+    double = _stereo(views, candidates, expected_m, noise, costs, cut)
     singles = [_single(views, v, candidates[v], double, expected_m, noise, costs) for v in range(2)]
     return _joined([double, *singles])
 
@@ -72,17 +80,24 @@ def _stereo(
     expected_m: Floats,
     noise: NoiseParameters,
     costs: CostParameters,
+    cut: tuple[Blobs, ...] | None,
 ) -> Pairs:
     left, right = candidates
     i, j = (a.ravel() for a in np.indices((len(left.blob), len(right.blob))))
-    points, residual = views.triangulate(left.centres_px[i], right.centres_px[j])
+    whole = (left.part[i] == WHOLE) & (right.part[j] == WHOLE)
+    left_px, right_px = left.centres_px[i], right.centres_px[j]
+    corrected = np.zeros(len(i), np.bool_)
+    if cut is not None and whole.any():
+        blobs = np.stack([left.blob[i], right.blob[j]], axis=1)
+        corrected = _correct_cut(views, cut, blobs, whole, left_px, right_px)
+    points, residual = views.triangulate(left_px, right_px)
     _, depth = views.project(points)
     size = (depth / views.focal_px[:, None]) ** 2
     a, b = left.areas_px[i] * size[0], right.areas_px[j] * size[1]
-    whole = (left.part[i] == WHOLE) & (right.part[j] == WHOLE)
     loose_px = np.where(whole, 1.0, 1.5) * costs.epipolar_px * views.scale
     epipolar = 0.5 * (2.0 * residual / loose_px) ** 2
     ratio = np.log(np.maximum(a, 1e-9) / np.maximum(b, 1e-9)) / LOG_AREA_SD
+    ratio[corrected] = 0.0
     same_kind = (left.part[i] + 1) // 2 == (right.part[j] + 1) // 2
     own = epipolar + np.minimum(0.5 * ratio**2, 3.0) + np.where(same_kind, 0.0, 1.0)
     sane: NDArray[np.bool_] = (
@@ -92,18 +107,42 @@ def _stereo(
     if len(expected_m):
         reach = np.linalg.norm(points[:, None] - expected_m[None], axis=2).min(axis=1)
         sane &= reach < FARTHEST_MOVE_M
-    i, j, points, whole = i[sane], j[sane], points[sane], whole[sane]
+    i, j, points, whole = i[sane], j[sane], points[sane], (whole & ~corrected)[sane]
     common = np.where(whole, noise.whole_px[0], noise.part_px[0]) * views.scale
     apart = np.where(whole, noise.whole_px[1], noise.part_px[1]) * views.scale
     information = stereo_information(views.jacobians(points), common, apart)
     return Pairs(
         points + _to_palms(views, left.palm_px[i], right.palm_px[j], depth[:, sane]),
         np.asarray(np.linalg.inv(information)),
-        np.sqrt(a * b)[sane],
+        np.where(corrected, np.maximum(a, b), np.sqrt(a * b))[sane],
         own[sane],
         np.stack([left.blob[i], right.blob[j]], axis=1),
         np.stack([left.part[i], right.part[j]], axis=1),
     )
+
+
+def _correct_cut(
+    views: Views,
+    seen: tuple[Blobs, ...],
+    blobs: Ints,
+    whole: NDArray[np.bool_],
+    left_px: Floats,
+    right_px: Floats,
+) -> NDArray[np.bool_]:
+    """Correct, in place, the centres of blobs (n, 2) that the picture's edge cuts; which those are.
+
+    A blob may lack up to half in one view: pairs that are far from the same row are left alone.
+    """
+    sides = [cut_sides(view, views) for view in seen]
+    corrected = np.zeros(len(blobs), np.bool_)
+    for k in np.flatnonzero(whole):
+        one, two = (int(blob) for blob in blobs[k])
+        side = int(sides[0][one] or sides[1][two])
+        centres = agreed_centres(views, seen, (one, two), side) if side else None
+        if centres is not None and abs(centres[1][1] - right_px[k, 1]) < CUT_ROWS_PX * views.scale:
+            left_px[k], right_px[k] = centres
+            corrected[k] = True
+    return corrected
 
 
 def _to_palms(views: Views, left_px: Floats, right_px: Floats, depth: Floats) -> Floats:
@@ -150,7 +189,11 @@ def _single(
     costs: CostParameters,
 ) -> Pairs:
     """Candidates of a view that pair with nothing, at the depth of the nearest expected hand."""
-    partnered = np.isin(candidates.blob, double.blob[:, view])
+    partners = double.blob[:, view]
+    if len(expected_m) and len(double):
+        off = np.linalg.norm(double.points_m[:, None] - expected_m[None], axis=2).min(axis=1)
+        partners = partners[off < PARTNER_M]
+    partnered = np.isin(candidates.blob, partners)
     at = np.flatnonzero(~partnered & ((candidates.part == WHOLE) | (candidates.part == BESIDE)))
     if not len(at) or not len(expected_m):
         return double[np.zeros(0, np.intp)]

@@ -20,6 +20,10 @@ class CandidateParameters:
     beside_head: bool = True
     # The hand is an end of a long blob where forearms are bare.
     ends: bool = True
+    # Pieces of the head, as a fringe or glasses cut it, are one blob.
+    join_head: bool = True
+    # Hands that the picture's edge cuts in one view have their depth from the side that is left.
+    cut_hands: bool = True
     # Share of the distance of two halves' centres that is kept [1]: cut, they are too far apart.
     draw_together: float = 0.7
     # Share of the vector from centroid to palm by which a whole hand's centre is moved [1].
@@ -92,6 +96,8 @@ class CostParameters:
     area_memory: float = 0.1
     # A blob like a hand that is nobody's.
     unexplained: float = 6.0
+    # A blob like a hand that only one view shows and is nobody's.
+    unexplained_single: float = 3.0
     # A hand that is not seen, in the first such frame and after.
     miss: float = 9.0
     stay_hidden: float = 5.0
@@ -121,6 +127,7 @@ class CostParameters:
             self,
             "area_memory",
             "unexplained",
+            "unexplained_single",
             "miss",
             "stay_hidden",
             "face",
@@ -208,9 +215,12 @@ class HypothesisParameters:
     hypotheses: int = 5
     # The estimate is the mean of the hypotheses within this of the best [log-odds].
     mean_within: float = 2.0
+    # With a lag: how much the costs of later frames count for an earlier one [1]. They are no
+    # independent evidence, and hands that roll round each other move by less than they seem to.
+    later_share: float = 0.1
     # A target that is unseen for this time is lost [s].
     lost_after_s: float = 1.0
 
     def __post_init__(self) -> None:
         check_above_zero(OWNER, self, "hypotheses", "lost_after_s")
-        check_not_negative(OWNER, self, "mean_within")
+        check_not_negative(OWNER, self, "mean_within", "later_share")

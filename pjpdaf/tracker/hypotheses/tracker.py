@@ -17,11 +17,13 @@ from pjpdaf.tracker.hypotheses.costs import (
     area_cost,
     end_cost,
     joint_cost,
+    likeliest,
     piece_cost,
     side_evidence,
 )
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.head import HeadTrack, follow_head
+from pjpdaf.tracker.hypotheses.head_pieces import join_head
 from pjpdaf.tracker.hypotheses.hypothesis import (
     FORBIDDEN,
     Hypothesis,
@@ -29,6 +31,7 @@ from pjpdaf.tracker.hypotheses.hypothesis import (
     grow,
     nearest_choices,
 )
+from pjpdaf.tracker.hypotheses.lag import Past, look_back
 from pjpdaf.tracker.hypotheses.motion import spread
 from pjpdaf.tracker.hypotheses.opening import open_tracks
 from pjpdaf.tracker.hypotheses.pairs import Pairs, pair_candidates
@@ -51,7 +54,8 @@ class HypothesisState:
     """All that changes from frame to frame.
 
     hypotheses: from the likeliest; estimates: the latest; hand_area_m2: of a whole hand, learnt;
-    longest_m: mean length of the longer hand's blob, which tells bare forearms.
+    longest_m: mean length of the longer hand's blob, which tells bare forearms; dt_s: time since
+    the state before.
     """
 
     head: HeadTrack
@@ -59,6 +63,7 @@ class HypothesisState:
     estimates: Estimates
     hand_area_m2: float
     longest_m: float
+    dt_s: float = 0.0
 
 
 @final
@@ -143,6 +148,8 @@ class HypothesisTracker:
         """Step; known_m (3, 3) [m]: visible surfaces to be chosen, None: what is likeliest."""
         p = self.parameters
         seen = tuple(Blobs.of(view) for view in detections)
+        if p.candidates.join_head:
+            seen = join_head(state.head, seen, self.views)
         head_m = None if known_m is None else known_m[0]
         head, places = follow_head(state.head, seen, self.views, dt_s, p, head_m)
         pairs = self._pairs(state, seen, places, head)
@@ -167,8 +174,14 @@ class HypothesisTracker:
             estimates,
             _learnt_area(state.hand_area_m2, pairs, list(chosen), p),
             self._longest(state, seen, places, dt_s),
+            dt_s,
         )
         return after, estimates
+
+    def smoothed(self, states: tuple[HypothesisState, ...], /) -> Estimates:
+        """Return the estimates of the first state in the knowledge of the later ones."""
+        past = [Past(s.head, s.hypotheses, s.dt_s) for s in states]
+        return look_back(past, states[0].estimates, self.views, self.parameters)
 
     def _pairs(
         self,
@@ -189,13 +202,15 @@ class HypothesisTracker:
             for v, (view, place) in enumerate(zip(seen, places, strict=True))
         )
         expected = np.concatenate([h.means for h in state.hypotheses])
-        pairs = pair_candidates(self.views, (one, two), expected, p.noise, p.costs)
+        cut = seen if p.candidates.cut_hands else None
+        pairs = pair_candidates(self.views, (one, two), expected, p.noise, p.costs, cut)
         away = (pairs.points_m - head.mean) @ self.views.axes[2]
         pairs = pairs[(away < BEHIND_M) & (away > -BEFORE_M)]
         extra = piece_cost(pairs, head.mean, self.views.axes, p.costs)
         if bare:
             extra = extra + end_cost(pairs, self.views.axes, p.costs)
-        return replace(pairs, cost=pairs.cost + extra)
+        pairs = replace(pairs, cost=pairs.cost + extra)
+        return likeliest(pairs, expected, state.hand_area_m2, p.costs)
 
     def _longest(
         self,
