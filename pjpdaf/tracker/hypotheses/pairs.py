@@ -20,6 +20,7 @@ WHOLE_COST = 2.0  # two blobs agree as they are below this cost
 PART_M = 0.30  # parts of a blob are no further from its centre
 ALONG_RAY_M = 0.12  # deviation of the depth of a hand that only one view shows
 LOG_AREA_SD = 0.5  # between the areas that two views show
+ALIKE_LOG_AREA = 0.15  # what the views' directions alone make of it
 CUT_ROWS_PX = 25.0  # from the row that is expected, of a hand that the picture's edge cuts
 PARTNER_M = 0.35
 CUT_ROWS_PX = 25.0  # from the row that is expected, of a hand that the picture's edge cuts
@@ -32,7 +33,7 @@ class Pairs:
     """Sightings of a hand.
 
     points_m (n, 3); covariances_m2 (n, 3, 3); areas_m2 (n,); cost (n,) of each by itself; blob
-    (n, 2) and part (n, 2) in each view, -1 where it is unseen.
+    (n, 2), part (n, 2) and candidate (n, 2) in each view, -1 where it is unseen.
     """
 
     points_m: Floats
@@ -41,6 +42,7 @@ class Pairs:
     cost: Floats
     blob: Ints
     part: Ints
+    candidate: Ints
 
     def __len__(self) -> int:
         return len(self.points_m)
@@ -53,6 +55,7 @@ class Pairs:
             self.cost[chosen],
             self.blob[chosen],
             self.part[chosen],
+            self.candidate[chosen],
         )
 
 
@@ -110,6 +113,10 @@ def _stereo(
     i, j, points, whole = i[sane], j[sane], points[sane], (whole & ~corrected)[sane]
     common = np.where(whole, noise.whole_px[0], noise.part_px[0]) * views.scale
     apart = np.where(whole, noise.whole_px[1], noise.part_px[1]) * views.scale
+    # What one view alone hides of a hand has moved that view's centre alone.
+    unlike = np.maximum(np.abs(ratio[sane]) * LOG_AREA_SD - ALIKE_LOG_AREA, 0.0)
+    radius_px = np.sqrt(np.maximum(left.areas_px[i], right.areas_px[j]) / np.pi)
+    apart = np.hypot(apart, noise.hidden_share * unlike * radius_px)
     information = stereo_information(views.jacobians(points), common, apart)
     return Pairs(
         points + _to_palms(views, left.palm_px[i], right.palm_px[j], depth[:, sane]),
@@ -118,6 +125,7 @@ def _stereo(
         own[sane],
         np.stack([left.blob[i], right.blob[j]], axis=1),
         np.stack([left.part[i], right.part[j]], axis=1),
+        np.stack([i, j], axis=1),
     )
 
 
@@ -210,9 +218,12 @@ def _single(
     size = (depth_m / views.focal_px[view]) ** 2
     blob, part = np.full((len(at), 2), -1), np.full((len(at), 2), -1)
     blob[:, view], part[:, view] = candidates.blob[at], candidates.part[at]
+    candidate = np.full((len(at), 2), -1)
+    candidate[:, view] = at
     cost = np.full(len(at), costs.single_view)
     covariances = np.asarray(np.linalg.inv(information))
-    return Pairs(points, covariances, candidates.areas_px[at] * size, cost, blob, part)
+    areas = candidates.areas_px[at] * size
+    return Pairs(points, covariances, areas, cost, blob, part, candidate)
 
 
 def _joined(parts: list[Pairs]) -> Pairs:
@@ -223,4 +234,5 @@ def _joined(parts: list[Pairs]) -> Pairs:
         np.concatenate([p.cost for p in parts]),
         np.concatenate([p.blob for p in parts]),
         np.concatenate([p.part for p in parts]),
+        np.concatenate([p.candidate for p in parts]),
     )

@@ -75,11 +75,17 @@ class NoiseParameters:
     whole_px: tuple[float, float] = (2.5, 0.7)
     # Of parts of blobs [px at 640 columns].
     part_px: tuple[float, float] = (8.0, 2.0)
+    # Of a whole hand's centre between the views, in its radii for each unit of the logarithm by
+    # which the views' areas differ: one view alone hides a part of it [1].
+    hidden_share: float = 0.35
     # Of a hand somewhere at the face, per axis [m].
     face_m: float = 0.06
+    # Places before the face, from its middle: sideways and up or down [m]; 0 = its middle alone.
+    face_reach_m: float = 0.05
 
     def __post_init__(self) -> None:
         check_above_zero(OWNER, self, "face_m")
+        check_not_negative(OWNER, self, "hidden_share", "face_reach_m")
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,7 @@ APART_M = 0.3  # hands whose arms are looked at
 NEAR_HAND_M = 0.15  # from a hand to the centre of its arm's blob
 LONGEST_M = 0.45
 LENGTH_MEMORY_S = 4.0
+FACE_PLACES = (0, 0), (-1, 0), (1, 0), (-1, 1), (1, 1), (0, 1)  # right, down
 BEFORE_FACE_M, BELOW_FACE_M = 0.06, 0.02  # a hand at the face
 
 
@@ -156,7 +157,7 @@ class HypothesisTracker:
             pairs.cost + area_cost(pairs, state.hand_area_m2, p.costs),
             joint_cost(pairs, places, state.hand_area_m2, p.costs),
             side_evidence(pairs, seen, head.mean, self.views, p),
-            head.mean - BEFORE_FACE_M * away + BELOW_FACE_M * down,
+            head.mean - BEFORE_FACE_M * away + BELOW_FACE_M * down + self._at_face(),
             p.costs.face if hidden else FORBIDDEN,
         )
         only = None
@@ -172,6 +173,13 @@ class HypothesisTracker:
             self._longest(state, seen, places, dt_s),
         )
         return after, estimates
+
+    def _at_face(self) -> Floats:
+        """Offsets (f, 3) [m] of the places of a hand before the face from its middle."""
+        reach = self.parameters.noise.face_reach_m
+        if reach == 0:
+            return np.zeros((1, 3))
+        return np.asarray(reach * np.array(FACE_PLACES) @ self.views.axes[:2])
 
     def _pairs(
         self,
