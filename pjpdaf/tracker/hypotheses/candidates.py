@@ -23,7 +23,7 @@ class Candidates:
     """Candidates of one view.
 
     centres_px (c, 2); areas_px (c,); blob (c,) and part (c,), WHOLE .. OTHER_END; palm_px (c, 2)
-    from the centre to the middle of the palm, 0 for parts.
+    from the centre to the middle of the palm, 0 for parts; pixels of parts (k, 2), else None.
     """
 
     centres_px: Floats
@@ -31,6 +31,7 @@ class Candidates:
     blob: Ints
     part: Ints
     palm_px: Floats
+    pixels: tuple[Floats | None, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +47,12 @@ class HeadPlace:
 
 
 class Candidate(NamedTuple):
-    """One candidate: centre (2,) [px], area [px], part."""
+    """One candidate: centre (2,) [px], area [px], part, pixels (k, 2) of a half or a piece."""
 
     centre_px: Floats
     area_px: float
     part: int
+    pixels: Floats | None = None
 
 
 def candidates(
@@ -82,6 +84,7 @@ def candidates(
         blobs,
         part,
         palm,
+        tuple(c.pixels for c in chosen),
     )
 
 
@@ -104,7 +107,8 @@ def _halves(pixels: Floats, area_px: float, p: CandidateParameters) -> Iterator[
     two = halves(pixels, p.draw_together)
     if two is not None:
         for k in range(2):
-            yield Candidate(two[0][k], area_px * float(two[1][k]), HALF + k)
+            share = len(two[1][k]) / len(pixels)
+            yield Candidate(two[0][k], area_px * share, HALF + k, two[1][k])
 
 
 def _beside(
@@ -118,6 +122,6 @@ def _beside(
     least = max(int(p.beside_area_m2 * metre_px**2 / each), 6)
     for piece in pieces(left, each**0.5, least)[:PIECES]:
         area = len(piece) * each
-        yield Candidate(piece.mean(axis=0), area, BESIDE)
+        yield Candidate(piece.mean(axis=0), area, BESIDE, piece)
         if p.halves and area > 1.2 * p.split_area_m2 * metre_px**2:
             yield from _halves(piece, area, p)

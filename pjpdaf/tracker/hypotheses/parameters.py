@@ -22,8 +22,6 @@ class CandidateParameters:
     ends: bool = True
     # Pieces of the head, as a fringe or glasses cut it, are one blob.
     join_head: bool = True
-    # Hands that the picture's edge cuts in one view have their depth from the side that is left.
-    cut_hands: bool = True
     # Share of the distance of two halves' centres that is kept [1]: cut, they are too far apart.
     draw_together: float = 0.7
     # Share of the vector from centroid to palm by which a whole hand's centre is moved [1].
@@ -100,6 +98,10 @@ class CostParameters:
     log_area_up_sd: float = 0.35
     # Share of a frame in the learnt area [1].
     area_memory: float = 0.1
+    # Hands that the picture's edge cuts in one view have their depth from the side that is left.
+    cut_hands: bool = True
+    # Parts of a blob have their depth from the outlines that are their own.
+    contours: bool = True
     # A blob like a hand that is nobody's.
     unexplained: float = 6.0
     # A blob like a hand that only one view shows and is nobody's.

@@ -200,8 +200,7 @@ class HypothesisTracker:
             for v, (view, place) in enumerate(zip(seen, places, strict=True))
         )
         expected = np.concatenate([h.means for h in state.hypotheses])
-        cut = seen if p.candidates.cut_hands else None
-        pairs = pair_candidates(self.views, (one, two), expected, p.noise, p.costs, cut)
+        pairs = pair_candidates(self.views, (one, two), expected, p.noise, p.costs, seen)
         away = (pairs.points_m - head.mean) @ self.views.axes[2]
         pairs = pairs[(away < BEHIND_M) & (away > -BEFORE_M)]
         extra = piece_cost(pairs, head.mean, self.views.axes, p.costs)
