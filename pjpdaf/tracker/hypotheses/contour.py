@@ -57,7 +57,9 @@ def disparity(left: RowEnds, right: RowEnds) -> float | None:
     high = min(left.low + len(left.ends), right.low + len(right.ends))
     if high <= low:
         return None
-    off = left.ends[low - left.low : high - left.low] - right.ends[low - right.low : high - right.low]
+    off = (
+        left.ends[low - left.low : high - left.low] - right.ends[low - right.low : high - right.low]
+    )
     known = off[np.isfinite(off)]
     return float(np.median(known)) if len(known) >= LEAST_ENDS else None
 

@@ -171,7 +171,7 @@ def _by_contours(
     The line that splits a blob says nothing of the depth of either part.
     """
     left, right = candidates
-    step = seen[0].looks.pixel_area_px**0.5
+    step = seen[0].looks.pixel_area_px ** 0.5
     ends: dict[tuple[int, int], RowEnds] = {}
 
     def of(view: int, k: int) -> RowEnds:

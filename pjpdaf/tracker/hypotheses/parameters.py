@@ -22,8 +22,8 @@ class CandidateParameters:
     ends: bool = True
     # Pieces of the head, as a fringe or glasses cut it, are one blob.
     join_head: bool = True
-    # Share of the distance of two halves' centres that is kept [1]: cut, they are too far apart.
-    draw_together: float = 0.7
+    # How much of two halves' distance goes for each share of two hands' area that is hidden [1].
+    draw_together: float = 1.5
     # Share of the vector from centroid to palm by which a whole hand's centre is moved [1].
     palm: float = 0.75
     # Smallest blob that is split [m^2].

@@ -191,12 +191,13 @@ class HypothesisTracker:
         """All sightings of hands before the person, with the costs of their looks."""
         p = self.parameters
         bare = state.longest_m > p.candidates.bare_length_m
+        area_m2 = state.hand_area_m2
         _, depth = self.views.project(head.mean)
         metre_px = self.views.focal_px / np.maximum(depth - HANDS_BEFORE_HEAD_M, 0.3)
         # A head that is out of sight still hides no blob: -1 is no blob's number.
         nowhere = HeadPlace(-1, True, np.zeros(2), np.eye(2))
         one, two = (
-            candidates(view, place or nowhere, float(metre_px[v]), bare, p.candidates)
+            candidates(view, place or nowhere, float(metre_px[v]), area_m2, bare, p.candidates)
             for v, (view, place) in enumerate(zip(seen, places, strict=True))
         )
         expected = np.concatenate([h.means for h in state.hypotheses])
