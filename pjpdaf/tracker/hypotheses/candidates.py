@@ -66,8 +66,9 @@ def candidates(
 ) -> Candidates:
     """All candidates of a view; the blob of the head offers only what is beside the head.
 
-    metre_px: pixels of a metre where hands are; hand_area_m2: of a whole hand. bare: the person's forearms are bare, so that the
-    hand is an end of a long blob. head: None before the start, when each blob counts as it is too.
+    metre_px: pixels of a metre where hands are; hand_area_m2: of a whole hand. bare: the person's
+    forearms are bare, so that the hand is an end of a long blob. head: None before the start, when
+    each blob counts as it is too.
     """
     hand_px = hand_area_m2 * metre_px**2
     chosen: list[Candidate] = []
