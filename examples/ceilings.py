@@ -38,4 +38,4 @@ def show(found: list[Result]) -> None:
 
 
 if __name__ == "__main__":
-    main(VARIANTS, show, "Ceilings of the preset default.")
+    main({"all": VARIANTS}, show, "Ceilings of the preset default.")

@@ -214,9 +214,18 @@ def change(found: Sequence[Result], base: Mapping[tuple[str, int], Result]) -> s
     return f"**{text}**" if low > 0 or high < 0 else text
 
 
-def main(variants: Sequence[Variant], show: Callable[[list[Result]], None], purpose: str) -> None:
-    """Read the command line, try the variants, print their tables."""
+def main(
+    variants: Mapping[str, Sequence[Variant]],
+    show: Callable[[list[Result]], None],
+    purpose: str,
+) -> None:
+    """Read the command line, try the variants, print their tables.
+
+    variants: by the name of their set; `all` is the default.
+    """
     parser = ArgumentParser(description=purpose)
+    parser.add_argument("--variants", choices=sorted(variants), default="all")
+    parser.add_argument("--groups", nargs="+", default=[], help="groups of scenarios, e.g. fast")
     parser.add_argument("targets", nargs="*", default=[], help="scenarios or suites to render")
     parser.add_argument("--from", dest="dataset", type=Path, help="a data set to read instead")
     parser.add_argument("--seeds", type=int, default=1)
@@ -231,4 +240,6 @@ def main(variants: Sequence[Variant], show: Callable[[list[Result]], None], purp
         first_seed=given.first_seed,
         dataset=given.dataset,
     )
-    show(all_results(plan(request), variants, given.frames, given.jobs, given.out))
+    jobs = [j for j in plan(request) if not given.groups or j.scenario.group in given.groups]
+    tried = variants[given.variants]
+    show(all_results(jobs, tried, given.frames, given.jobs, given.out))

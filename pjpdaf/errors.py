@@ -45,6 +45,12 @@ class InfrastructureError(BenchError):
     exit_code = 5
 
 
+class NotComparable(BenchError):
+    """Results of different episodes, or of another version of them. Exit code 4."""
+
+    exit_code = 4
+
+
 class FileError(BenchError):
     """A fault of a file: `file` is its path, `cause` the broken rule, without a final stop.
 

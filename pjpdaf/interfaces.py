@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from numbers import Real
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
@@ -124,6 +124,7 @@ class Detector(Protocol):
 
 
 State = TypeVar("State")
+PastState = TypeVar("PastState", contravariant=True)
 
 
 class Tracker(Protocol[State]):
@@ -152,3 +153,15 @@ class Tracker(Protocol[State]):
 
 
 AnyTracker = Tracker[Any]
+
+
+@runtime_checkable
+class Smoother(Protocol[PastState]):
+    """What a `Tracker` may add: fixed-lag smoothing, in which later frames tell of earlier ones."""
+
+    def smoothed(self, states: tuple[PastState, ...], /) -> Estimates:
+        """Return the estimates of the first of successive states, in the knowledge of the others.
+
+        Of one state alone they are its `estimates`.
+        """
+        ...

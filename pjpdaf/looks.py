@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pjpdaf.arrays import Floats
+from pjpdaf.arrays import Floats, Ints
 
 BACKGROUND, CLOTHED, SKIN = 0, 1, 2  # classes of a silhouette's pixels
 
@@ -40,6 +40,11 @@ class BlobLooks:
     palms: Floats
     fingers: Floats
     silhouette: Silhouette | None = None
+
+    def of(self, kept: Ints) -> BlobLooks:
+        """Looks of the blobs of these numbers (k,)."""
+        pixels = tuple(self.pixels[i] for i in kept)
+        return replace(self, pixels=pixels, palms=self.palms[kept], fingers=self.fingers[kept])
 
 
 def looks_of_ellipses(ellipses: Floats) -> BlobLooks:

@@ -11,7 +11,7 @@ from typing import Any
 
 from pjpdaf.errors import PlugInFault
 from pjpdaf.frames import StereoFrame
-from pjpdaf.interfaces import AnyTracker, Detections, Detector, Estimates
+from pjpdaf.interfaces import AnyTracker, Detections, Detector, Estimates, Smoother
 from pjpdaf.known_targets import KnownTargets
 from pjpdaf.plugins.answers import fault_of_detections, fault_of_estimates, fault_of_step
 from pjpdaf.plugins.registry import describe_exception
@@ -67,6 +67,20 @@ class CheckedTracker:
         _refuse(self.name, label, fault_of_estimates(answer))
         estimates: Estimates = answer
         return estimates
+
+
+class CheckedSmoother(CheckedTracker):
+    """A checked tracker that is a `Smoother`."""
+
+    def smoothed(self, states: tuple[Any, ...]) -> Estimates:
+        """Return estimates that can be scored."""
+        return self._estimates("smoothed", self.tracker.smoothed, states)  # type: ignore[attr-defined]
+
+
+def checked_tracker(name: str, tracker: AnyTracker) -> CheckedTracker:
+    """A tracker whose answers are checked; a `Smoother` where it is one."""
+    kind = CheckedSmoother if isinstance(tracker, Smoother) else CheckedTracker
+    return kind(name, tracker)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from pjpdaf.follow import follow
-from pjpdaf.interfaces import AnyTracker, Detections, Estimates
+from pjpdaf.interfaces import AnyTracker, Detections, Estimates, Smoother
 from pjpdaf.known_targets import AssociationReplaceable, KnownTargets, PredictionReplaceable
 from pjpdaf.plugins.answers import fault_of_estimates, fault_of_step
 from pjpdaf.plugins.probe import CheckEnds, Probe
@@ -21,6 +21,7 @@ from pjpdaf.recorded import RecordedDetections
 from pjpdaf.targets import TARGETS
 
 METHODS = ("start", "step", "estimates", "predict")
+SMOOTHED_FRAMES = 4
 FAR_M = 0.3  # an estimate farther from its own target than this follows nothing
 
 
@@ -87,6 +88,7 @@ def check(factory: Factory, probe: Probe) -> None:
             "two trackers of the same factory",
             "differ on the same detections; must be repeatable",
         )
+    _check_smoothing(tracker, probe)
     _check_hard_frames(tracker, probe)
 
 
@@ -156,6 +158,26 @@ def check_estimates(
                 probe.add(label, "covariances_m2 are not symmetric")
             elif np.linalg.eigvalsh(P)[0] < -1e-6 * scale:
                 probe.add(label, "covariances_m2 have negative eigenvalues")
+
+
+def _check_smoothing(tracker: AnyTracker, probe: Probe) -> None:
+    """Estimates of an earlier frame, of a tracker that gives them."""
+    if not isinstance(tracker, Smoother):
+        return
+    cameras, paths = cameras_in_front(), paths_m()
+    states: list[Any] = []
+    for points in paths[:SMOOTHED_FRAMES]:
+        seen = detections_of(cameras, points, range(3))
+        if states:
+            states.append(probe.call("step", tracker.step, states[-1], seen, DT_S)[0])
+        elif (state := probe.call("start", tracker.start, seen)) is not None:
+            states.append(state)
+    for past in (states[:1], states) if states else ():
+        label = "smoothed(one state)" if len(past) == 1 else "smoothed"
+        answer = probe.call(label, tracker.smoothed, tuple(past))
+        check_estimates(probe, label, answer)
+        if len(past) == 1 and not _equal(answer, tracker.estimates(past[0])):
+            probe.add(label, "differs from the estimates of this state")
 
 
 def _check_hard_frames(tracker: AnyTracker, probe: Probe) -> None:

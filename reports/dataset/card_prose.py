@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -122,7 +123,7 @@ def making(dataset: Dataset, command: Sequence[str]) -> str:
     if renderer:
         lines.append(f"Renderer: {escaped(str(renderer))}.")
     if command:
-        lines.append(f"```\npjpdaf-bench {' '.join(without_paths(command))}\n```")
+        lines.append(f"```\npjpdaf-bench {shlex.join(without_paths(command))}\n```")
     return "\n\n".join(lines)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from pjpdaf.arrays import Floats
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import NotComparable
 from reports.run.load import SavedRun
 from reports.run.motion_mark import same_motion
 from reports.run.schema import columns_since
@@ -22,12 +22,6 @@ WORST_GOSPA_MM = 1e3 * CUT_OFF_M * float(np.sqrt(3.0))  # three missed, three fa
 KEY = ["scenario", "seed"]
 
 Episode = tuple[str, int]
-
-
-class NotComparable(BenchError):
-    """Two runs of different episodes."""
-
-    exit_code = 4
 
 
 def episode_values(run: SavedRun) -> pd.DataFrame:

@@ -30,6 +30,7 @@ def system_options(meta: Mapping[str, Any]) -> list[str]:
     command += ["--preset", preset] if preset != DEFAULT_PRESET else []
     for part in ("detector", "tracker"):
         command += [f"--{part}", str(meta[part])] if meta[part] != preset else []
+    command += ["--lag", str(meta["lag_frames"])] if meta.get("lag_frames") else []
     for pair in meta["request"]["settings"]:
         command += ["--set", str(pair)]
     return command

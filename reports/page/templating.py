@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -64,6 +65,7 @@ def _environment() -> jinja2.Environment:
         share=_share,
         group_title=group_title,
         plain_markdown=plain_markdown,
+        shell=shlex.join,
     )
     return environment
 

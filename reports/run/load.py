@@ -15,7 +15,6 @@ import pyarrow as pa
 
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
-from reports.run.bounded_table import read_bounded
 from reports.run.run_json import read_run_json
 from reports.run.schema import (
     SLIM_TABLES,
@@ -23,6 +22,7 @@ from reports.run.schema import (
     columns_since,
     schema_of,
 )
+from reports.run.stored_table import read_table
 from reports.run.table_rules import KEY, first_broken_rule
 from sim.archives import bounded_archive
 from sim.dataset.files.checksums import sha256_of
@@ -144,7 +144,7 @@ def _check_file(folder: Path, name: str, entry: Any) -> None:
 
 
 def _load_table(path: Path, name: str, version: int) -> pd.DataFrame:
-    frame: pd.DataFrame = read_bounded(path, schema_of(name, version), version).to_pandas()
+    frame: pd.DataFrame = read_table(path, schema_of(name, version), version).to_pandas()
     broken = first_broken_rule(name, frame)
     if broken is not None:
         raise _row_fault(path, frame, *broken)

@@ -28,7 +28,7 @@ def provenance(argv: Sequence[str] = (), renderer: str = "") -> dict[str, object
     """
     commit, dirty = _commit(Path(__file__).resolve().parent)
     return {
-        "versions": {"python": platform.python_version(), **_versions()},
+        "versions": {"python": platform.python_version(), **package_versions()},
         "platform": f"{platform.system()} {platform.machine()}",
         "cpu": _cpu(),
         "renderer": renderer,
@@ -38,7 +38,8 @@ def provenance(argv: Sequence[str] = (), renderer: str = "") -> dict[str, object
     }
 
 
-def _versions() -> dict[str, str]:
+def package_versions() -> dict[str, str]:
+    """Versions of `PACKAGES`, as far as they are installed."""
     versions = {}
     for name in PACKAGES:
         try:

@@ -37,7 +37,8 @@ from sim.files import disk_faults, part_folder, write_fault
 class RunInfo:
     """The request behind a run: everything in run.json that its episodes do not hold.
 
-    parameters: all of detector and tracker, as plain values; overrides: those changed from the
+    lag_frames: how much later than their frame the estimates came; parameters: all of detector and
+    tracker, as plain values; overrides: those changed from the
     preset. complete: every episode of the request is here. request: the words of the command line,
     to play it again; suites: name, version and digest of each; entries: by a scenario's name in
     the results, its origin and its changed values.
@@ -47,6 +48,7 @@ class RunInfo:
     preset: str = ""
     detector: str = ""
     tracker: str = ""
+    lag_frames: int = 0
     parameters: Mapping[str, Any] = field(default_factory=dict)
     overrides: Mapping[str, Any] = field(default_factory=dict)
     renderer: str = ""
@@ -160,6 +162,7 @@ def _write(part: Path, rows: Sequence[EpisodeRows], info: RunInfo) -> None:
         "preset": info.preset,
         "detector": info.detector,
         "tracker": info.tracker,
+        "lag_frames": info.lag_frames,
         "parameters": dict(info.parameters),
         "overrides": dict(info.overrides),
         "request": dict(info.request),

@@ -88,20 +88,25 @@ def measures_of(goals: Sequence[Goal]) -> tuple[str, ...]:
 
 
 def robustness(episode: Episode) -> Robustness:
-    """The robustness of an episode.
+    """The robustness of an episode (`robustness_of`)."""
+    truths = np.stack([outcome.truth.centres_m for outcome in episode.frames])
+    estimates = np.stack([outcome.estimates.positions_m for outcome in episode.frames])
+    return robustness_of(truths, estimates, episode.fps)
+
+
+def robustness_of(truths_m: Floats, estimates_m: Floats, fps: float) -> Robustness:
+    """The robustness of true and estimated positions (F, T, 3) [m], NaN where there is none.
 
     Of a pair a, b: m = <e_a - e_b, g_a - g_b> / |g_a - g_b|²; rho is the least, over windows of
     0.5 s of frames in which the two are more than 0.10 m apart, of the greatest m in the window.
     Frames without estimates, or with the two nearer, are passed over, at most as many together as a
     window has. Of a target: the least, over windows of 1 s, of (0.15 m - least error) / 0.15 m.
     """
-    truths = np.stack([outcome.truth.centres_m for outcome in episode.frames])
-    estimates = np.stack([outcome.estimates.positions_m for outcome in episode.frames])
-    pairs = [_pair(truths, estimates, a, b, episode.fps) for a, b in PAIRS.values()]
-    losses = [_loss(truths[:, t], estimates[:, t], episode.fps) for t in range(len(TARGETS))]
+    pairs = [_pair(truths_m, estimates_m, a, b, fps) for a, b in PAIRS.values()]
+    losses = [_loss(truths_m[:, t], estimates_m[:, t], fps) for t in range(len(TARGETS))]
     swap, head_right, head_left = (rho for rho, _ in pairs)
     head, right, left = (rho for rho, _ in losses)
-    hands, with_right, with_left = (_nearest(estimates, a, b) for a, b in PAIRS.values())
+    hands, with_right, with_left = (_nearest(estimates_m, a, b) for a, b in PAIRS.values())
     return Robustness(
         swap,
         head_right,

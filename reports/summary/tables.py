@@ -58,9 +58,13 @@ class StageTimes:
 
 @dataclass(frozen=True)
 class Summary:
-    """rows: per scenario head, right, left, all; total: the same over all scenarios."""
+    """rows: per scenario head, right, left, all; total: the same over all scenarios.
+
+    lag_frames: by which the estimates came later than their frames.
+    """
 
     name: str
+    lag_frames: int
     complete: bool
     rows: tuple[SummaryRow, ...]
     total: tuple[SummaryRow, ...]
@@ -93,6 +97,7 @@ def summarise(run: SavedRun) -> Summary:
     failed = run.episodes[run.episodes["failure"] != ""].drop_duplicates(["scenario", "seed"])
     return Summary(
         name=run.name,
+        lag_frames=int(run.meta.get("lag_frames", 0)),
         complete=bool(run.meta["complete"]),
         rows=tuple(rows),
         total=tuple(_rows(ALL, run.frames, run.episodes)),
@@ -128,7 +133,7 @@ def verdict(summary: Summary) -> str:
 def rich_table(summary: Summary) -> Table:
     """The summary for the terminal; names are printed as they are, never as mark-up."""
     table = Table(
-        title=Text(f"Run {summary.name}"),
+        title=Text(f"Run {summary.name}{_lag_text(summary)}"),
         title_justify="left",
         box=box.SIMPLE_HEAD,
         padding=(0, 1, 0, 0),
@@ -164,6 +169,11 @@ def rich_table(summary: Summary) -> Table:
     if summary.failures:
         table.caption = Text(f"{count(len(summary.failures), 'episode')} gave no result")
     return table
+
+
+def _lag_text(summary: Summary) -> str:
+    lag = summary.lag_frames
+    return f", estimates {count(lag, 'frame')} later" if lag else ""
 
 
 def time_text(times: StageTimes) -> str:

@@ -11,6 +11,7 @@ import typer
 from pjpdaf.presets.names import DEFAULT_PRESET
 from scenarios.cli.options import (
     Detections,
+    Lag,
     LeftView,
     PlugInName,
     PresetName,
@@ -26,7 +27,9 @@ def track(
     calibration: Annotated[
         tuple[Path, Path],
         typer.Option(
-            metavar="INTRINSICS EXTRINSICS", help="Files as OpenCV's stereo sample writes them."
+            metavar="INTRINSICS EXTRINSICS",
+            help="Files as OpenCV's stereo sample writes them; or two camera_info files of ROS, "
+            "left and right; or a camera chain of Kalibr, twice.",
         ),
     ],
     out: ResultsOut,
@@ -65,6 +68,7 @@ def track(
         typer.Option(help="Unit of the calibration's T: m, cm, mm, in, or a number of metres."),
     ] = "m",
     detections: Detections = None,
+    lag: Lag = 0,
 ) -> None:
     """Track head and hands in real footage: tracks.csv, tracks.parquet, overlay film, report page.
 
@@ -92,6 +96,7 @@ def track(
             out=out,
             argv=tuple(sys.argv[1:]),
             detections=detections,
+            lag=lag,
         )
     )
 

@@ -30,6 +30,14 @@ def compare(
     jobs: Annotated[
         int | None, typer.Option(help="With --escalate: worker processes [all cores].")
     ] = None,
+    plug_in: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="With --escalate: a tracker or detector of the runs that may be imported. "
+            "Repeatable.",
+        ),
+    ] = None,
 ) -> None:
     """The gate: a paired verdict on two saved runs, per metric.
 
@@ -49,6 +57,7 @@ def compare(
                 escalate=escalate,
                 jobs=jobs,
                 argv=tuple(sys.argv[1:]),
+                plug_ins=tuple(plug_in or ()),
             )
         )
     )

@@ -32,6 +32,13 @@ Detections = Annotated[
         help="2-D detections of another detector, CSV or Parquet, in place of --detector.",
     ),
 ]
+Lag = Annotated[
+    int,
+    typer.Option(
+        metavar="N",
+        help="Fixed-lag smoothing: estimates of a frame come N frames later and know these.",
+    ),
+]
 RunOut = Annotated[Path | None, typer.Option(help="Folder of the saved run [runs/NAME-DATE-TIME].")]
 ExportFormats = Annotated[
     str | None,

@@ -13,6 +13,7 @@ from pjpdaf.presets.names import DEFAULT_PRESET
 from scenarios.cli.options import (
     Detections,
     Jobs,
+    Lag,
     PlugInName,
     PresetName,
     RunOut,
@@ -68,6 +69,7 @@ def run(
         ),
     ] = None,
     detections: Detections = None,
+    lag: Lag = 0,
     no_cache: Annotated[
         bool,
         typer.Option(
@@ -97,6 +99,7 @@ def run(
                 keep_films=films and not slim,
                 dataset=from_,
                 detections=detections,
+                lag=lag,
                 use_cache=not no_cache,
             ),
             preset=preset,

@@ -12,6 +12,7 @@ from pjpdaf.errors import BenchError
 from reports.summary.text import count
 from scenarios.console.interrupts import interrupts
 from scenarios.console.progress import progress_bar
+from scenarios.dataset.check_recipes import recipe_faults
 from scenarios.dataset.rays import RayComparison, compare_with_rays
 from sim.dataset.raytruth import lines_of
 from sim.dataset.verify import verify
@@ -55,6 +56,7 @@ def _verify_and_print(request: VerifyRequest) -> int:
         faults = verify(
             request.folder, sums=request.sums, on_sequence=on_sequence, jobs=request.jobs
         )
+    faults = sorted({*faults, *recipe_faults(request.folder, {fault.file for fault in faults})})
     for fault in faults:
         typer.echo(str(fault))
     rays = RayComparison(None)

@@ -9,6 +9,7 @@ from reports.footage.track_page import TrackInfo
 from reports.footage.track_record import TrackRecord
 from reports.page.templating import write_text
 from reports.run.provenance import provenance
+from reports.summary.text import count
 from scenarios.footage.session import TrackSession
 
 
@@ -31,11 +32,19 @@ def page_info(session: TrackSession, film: Path | None, complete: bool) -> Track
             ("background", background),
             ("calibration", " and ".join(map(str, request.calibration))),
             ("frames a second", f"{session.rate_hz:g}"),
+            *_lag_words(session),
         ),
         parameters=session.parameters,
         changed=session.changed,
         provenance=provenance(request.argv),
     )
+
+
+def _lag_words(session: TrackSession) -> list[tuple[str, str]]:
+    """The lag of the estimates, where there is one."""
+    lag = session.request.lag
+    words = f"{count(lag, 'frame')}, {lag / session.rate_hz:.2f} s later"
+    return [("estimates", words)] if lag else []
 
 
 def write_json(path: Path, session: TrackSession, record: TrackRecord, info: TrackInfo) -> None:
@@ -45,6 +54,7 @@ def write_json(path: Path, session: TrackSession, record: TrackRecord, info: Tra
         "complete": info.complete,
         "frames": record.frames,
         "rate_hz": session.rate_hz,
+        "lag_frames": session.request.lag,
         "missing_pictures": record.missing_pictures,
         "first_tracked_frame": record.first_frame,
         "targets": {summary.target: dict(summary.frames) for summary in record.summaries()},

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pjpdaf.calibration import read_rig
+from pjpdaf.calibration import read_rig, view_order_doubt
 from pjpdaf.camera import StereoRig
 from pjpdaf.detector.external import ExternalDetector
 from pjpdaf.errors import BenchError
@@ -26,6 +26,7 @@ from pjpdaf.sources import (
 )
 from scenarios.execute.isolated import allow_plug_ins_from_here
 from scenarios.footage.skin_sample import skin_of_sample
+from scenarios.play.lag import check_lag, check_smoother
 from scenarios.play.settings import read_settings
 from scenarios.tables.detections import read_detections, read_min_score
 
@@ -53,6 +54,7 @@ class TrackRequest:
     out: Path
     argv: tuple[str, ...]
     detections: Path | None = None
+    lag: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +90,7 @@ def prepare_session(request: TrackRequest, warn: Callable[[str], None]) -> Track
     """Check a request and build its session. Raises BenchError for any fault of the request."""
     allow_plug_ins_from_here(request.detector, request.tracker)
     settings = read_settings(request.settings)
+    check_lag(request.lag)
     for key in settings.scenario:
         raise BenchError(f"--set {key}: footage has only detector.NAME and tracker.NAME to change")
     if request.detections is None:
@@ -104,6 +107,9 @@ def prepare_session(request: TrackRequest, warn: Callable[[str], None]) -> Track
             f"{request.calibration[1]}: the cameras are {baseline_m:.2f} m apart; if T is not in "
             "metres, give --unit mm, or the side of the board's square in metres."
         )
+    doubt = view_order_doubt(rig)
+    if doubt:
+        warn(f"{request.calibration[1]}: {doubt}.")
     learnt = skin_of_sample(request.skin_sample)
     detector_settings = {**learnt, **settings.detector}
     detector: Detector
@@ -112,6 +118,7 @@ def prepare_session(request: TrackRequest, warn: Callable[[str], None]) -> Track
     else:
         detector = _external_detector(request.detections, rig, settings.detector)
     tracker = make_tracker(request.tracker, rig.cameras, settings.tracker)
+    check_smoother(request.tracker, tracker, request.lag)
     parameters: dict[str, Any] = {"detector": request.detector, "tracker": request.tracker}
     if request.detections is None and request.detector in PRESETS:
         chosen = override(find_preset(request.detector), detector_settings).detector

@@ -88,7 +88,7 @@ def _follow(
             closing(FilmWriter(part, "overlay", session.rate_hz)) as film,
         ):
             try:
-                for step in follow(frames, session.detector, session.tracker):
+                for step in follow(frames, session.detector, session.tracker, session.request.lag):
                     frame, detections, estimates = step.frame, step.detections, step.estimates
                     sheet = overlay_picture(frame, cameras, detections, estimates)
                     tracks.add(frame.index, frame.time_s, estimates)

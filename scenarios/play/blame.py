@@ -16,29 +16,37 @@ NONE = "none"  # no single replacement cures it
 
 
 def with_blame(
-    episode: Episode, cameras: Sequence[Camera], tracker: AnyTracker, seen: Seen | None = None
+    episode: Episode,
+    cameras: Sequence[Camera],
+    tracker: AnyTracker,
+    seen: Seen | None = None,
+    lag: int = 0,
 ) -> Episode:
     """The episode with the stage at fault for each of its swaps, captures and losses.
 
-    seen: as `track_again`.
+    seen, lag: as `track_again`.
     """
-    return replace(episode, blame=blame(episode, cameras, tracker, seen))
+    return replace(episode, blame=blame(episode, cameras, tracker, seen, lag))
 
 
 def blame(
-    episode: Episode, cameras: Sequence[Camera], tracker: AnyTracker, seen: Seen | None = None
+    episode: Episode,
+    cameras: Sequence[Camera],
+    tracker: AnyTracker,
+    seen: Seen | None = None,
+    lag: int = 0,
 ) -> Mapping[tuple[str, int, int], str]:
     """The stage at fault, or NONE, for (kind, target, first frame) of each swap, capture and loss.
 
     The stages are tried in the order of `scenarios.play.oracle.STAGES`. Cured: no event of the same
-    kind and target overlaps its frames.
+    kind and target overlaps its frames. lag: of the episode's estimates.
     """
     failures = [event for event in find_events(episode) if event.kind in BLAMED]
     stages: dict[tuple[str, int, int], str] = {}
     for stage in stages_of(tracker):
         if len(stages) == len({(e.kind, e.target, e.first) for e in failures}):
             break  # nothing is left to be cured
-        again = track_again(episode, cameras, tracker, Oracle(**{stage: True}), seen)
+        again = track_again(episode, cameras, tracker, Oracle(**{stage: True}), seen, lag)
         remaining = find_events(again)
         for event in failures:
             key = (event.kind, event.target, event.first)

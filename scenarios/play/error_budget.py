@@ -27,14 +27,22 @@ Pixels = Callable[[Episode, int, Sequence[Camera]], Floats]  # of a frame: (N, T
 
 
 def with_error_budget(
-    episode: Episode, cameras: Sequence[Camera], tracker: AnyTracker, seen: Seen | None = None
+    episode: Episode,
+    cameras: Sequence[Camera],
+    tracker: AnyTracker,
+    seen: Seen | None = None,
+    lag: int = 0,
 ) -> Episode:
-    """The episode with the errors of each level of the budget; seen: as `track_again`."""
-    return replace(episode, budget_m=error_budget(episode, cameras, tracker, seen))
+    """The episode with the errors of each level of the budget; seen, lag: as `track_again`."""
+    return replace(episode, budget_m=error_budget(episode, cameras, tracker, seen, lag))
 
 
 def error_budget(
-    episode: Episode, cameras: Sequence[Camera], tracker: AnyTracker, seen: Seen | None = None
+    episode: Episode,
+    cameras: Sequence[Camera],
+    tracker: AnyTracker,
+    seen: Seen | None = None,
+    lag: int = 0,
 ) -> Mapping[str, Floats]:
     """Errors (F, T) [m] by level of `BUDGET_LEVELS`, NaN in frames in which any level has no error.
 
@@ -44,7 +52,7 @@ def error_budget(
     if "association" not in stages_of(tracker):
         return {}
     centres = np.stack([outcome.truth.centres_m for outcome in episode.frames])
-    known = track_again(episode, cameras, tracker, Oracle(association=True), seen)
+    known = track_again(episode, cameras, tracker, Oracle(association=True), seen, lag)
     located = {
         "grid": _located(episode, cameras, _whole_pixels),
         "surface": _located(episode, cameras, _visible_centroids),

@@ -8,8 +8,9 @@ from pathlib import Path
 
 from pjpdaf.detector.external import DetectionTable
 from pjpdaf.errors import BenchError
-from pjpdaf.plugins.registry import make_detector, make_tracker
+from pjpdaf.plugins.registry import make_detector
 from scenarios.play.job import Job, System
+from scenarios.play.lag import make_lagged
 from scenarios.play.recipe import read_recipe
 from scenarios.spec.suggestion import did_you_mean
 from scenarios.tables.detections import read_detections, read_min_score
@@ -75,7 +76,7 @@ def jobs_of_dataset(
         cameras = StoredSequence(job.kept, {}).calibration.cameras
         if detections is None:
             make_detector(system.detector, cameras, system.detector_settings)
-        make_tracker(system.tracker, cameras, system.tracker_settings)
+        make_lagged(system, cameras)
     return [replace(j, keep_pictures=pictures and j.seed == first[j.name]) for j in jobs]
 
 

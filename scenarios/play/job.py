@@ -17,12 +17,16 @@ from sim.motion.stage import Value
 
 @dataclass(frozen=True)
 class System:
-    """The system under test: names of detector and tracker, and changed parameters of each."""
+    """The system under test: names of detector and tracker, and changed parameters of each.
+
+    lag: frames by which estimates come later than their frame (`pjpdaf.follow`).
+    """
 
     detector: str = DEFAULT_PRESET
     tracker: str = DEFAULT_PRESET
     detector_settings: Mapping[str, str] = field(default_factory=dict)
     tracker_settings: Mapping[str, str] = field(default_factory=dict)
+    lag: int = 0
 
 
 @dataclass(frozen=True)

@@ -56,12 +56,13 @@ def track_again(
     tracker: AnyTracker,
     oracle: Oracle,
     seen: Seen | None = None,
+    lag: int = 0,
 ) -> Episode:
     """The episode with the estimates that the tracker gives under this oracle.
 
     cameras: the calibration that the tracker was given. seen: the detections with their looks,
-    which an episode does not keep; None for the episode's. Raises ValueError for a stage that this
-    tracker does not let be replaced.
+    which an episode does not keep; None for the episode's; lag: as of `follow`. Raises ValueError
+    for a stage that this tracker does not let be replaced.
     """
     for stage in STAGES:
         if getattr(oracle, stage) and stage not in stages_of(tracker):
@@ -77,7 +78,7 @@ def track_again(
     if oracle.association or oracle.process:
         tracker = AidedTracker(tracker, tuple(cameras), truths, oracle)
     frames = (StereoFrame(number, truth.time_s, ()) for number, truth in enumerate(truths))
-    steps = follow(frames, RecordedDetections(recorded), tracker)
+    steps = follow(frames, RecordedDetections(recorded), tracker, lag)
     outcomes = tuple(
         replace(outcome, estimates=step.estimates, detections=step.detections)
         for outcome, step in zip(episode.frames, steps, strict=True)
@@ -140,3 +141,11 @@ class AidedTracker:
             return Estimates.waiting()
         prediction: Estimates = self.tracker.predict(aided.state, dt_s)
         return prediction
+
+    def smoothed(self, aided: tuple[AidedState, ...]) -> Estimates:
+        """Return the estimates of a tracker that looks back; waiting before its start."""
+        states = tuple(one.state for one in aided if one.state is not None)
+        if aided[0].state is None:
+            return Estimates.waiting()
+        estimates: Estimates = self.tracker.smoothed(states)
+        return estimates

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pjpdaf.errors import BenchError
-from pjpdaf.plugins.registry import make_detector, make_tracker
+from pjpdaf.plugins.registry import make_detector
 from scenarios.play.from_dataset import jobs_of_dataset, open_with_sequences
 from scenarios.play.job import Job, System
+from scenarios.play.lag import check_lag, make_lagged
 from scenarios.play.settings import Settings, read_settings
 from scenarios.play.targets import PlannedScenario, expand_target
 from scenarios.spec.cameras import rig_of
@@ -34,7 +35,7 @@ class PlanRequest:
     frames of each scenario's first seed; keep_films: of every episode; dataset: folder of a data
     set whose sequences are read instead of rendering `targets`; detections: file or folder of 2-D
     detections of that data set, in place of a detector; use_cache: pictures may come from the
-    cache.
+    cache; lag: frames by which estimates come later.
     """
 
     targets: tuple[str, ...] = ()
@@ -48,6 +49,7 @@ class PlanRequest:
     keep_films: bool = False
     dataset: Path | None = None
     detections: Path | None = None
+    lag: int = 0
     use_cache: bool = True
 
 
@@ -64,7 +66,10 @@ def plan(request: PlanRequest) -> list[Job]:
             f"--first-seed must be between 0 and {MAX_FIRST_SEED}, got {request.first_seed}"
         )
     settings = read_settings(request.settings)
-    system = System(request.detector, request.tracker, settings.detector, settings.tracker)
+    check_lag(request.lag)
+    system = System(
+        request.detector, request.tracker, settings.detector, settings.tracker, request.lag
+    )
     if request.detections is not None and request.dataset is None:
         raise BenchError("--detections goes with --from DATASET: they are of a data set's pictures")
     if request.dataset is not None:
@@ -95,18 +100,19 @@ def _jobs_of(
     """The episodes of a scenario, a seed each."""
     changes = {key: v for key, v in settings.scenario.items() if key in planned.changeable}
     seeds = request.seeds if request.seeds is not None else planned.seeds
+    first = planned.first_seed + request.first_seed
     return [
         Job(
             planned.scenario,
             seed,
             {**planned.overrides, **changes},
             system,
-            keep_pictures=seed == request.first_seed and request.keep_pictures,
+            keep_pictures=seed == first and request.keep_pictures,
             label=planned.label,
             keep_film=request.keep_films,
             use_cache=request.use_cache,
         )
-        for seed in range(request.first_seed, request.first_seed + seeds)
+        for seed in range(first, first + seeds)
     ]
 
 
@@ -151,7 +157,7 @@ def check_job(job: Job) -> None:
     values = in_si(job.scenario, concrete(job.scenario, job.seed, job.overrides))
     cameras = stereo_rig(rig_of(values)).cameras
     make_detector(job.system.detector, cameras, job.system.detector_settings)
-    make_tracker(job.system.tracker, cameras, job.system.tracker_settings)
+    make_lagged(job.system, cameras)
     for setting in SETTINGS:
         setting_of(job.scenario, job.overrides, setting)
     if any(isinstance(p, File) for p in job.scenario.parameters.values()):

@@ -11,7 +11,7 @@ from pjpdaf.camera import StereoRig
 from pjpdaf.detector.external import DetectionTable, ExternalDetector
 from pjpdaf.follow import FollowedFrame, follow
 from pjpdaf.interfaces import Detections, Detector, Tracker
-from pjpdaf.plugins.checked import CheckedDetector, CheckedTracker
+from pjpdaf.plugins.checked import CheckedDetector, checked_tracker
 from pjpdaf.plugins.registry import make_detector, make_tracker
 from pjpdaf.presets.registry import PRESETS
 from reports.score.records import Episode, FrameOutcome
@@ -42,7 +42,7 @@ def make_system(
             detector = CheckedDetector(name, detector, len(rig.cameras))
     tracker = make_tracker(system.tracker, rig.cameras, system.tracker_settings)
     if system.tracker not in PRESETS:
-        tracker = CheckedTracker(f"tracker {system.tracker!r}", tracker)
+        tracker = checked_tracker(f"tracker {system.tracker!r}", tracker)
     return detector, tracker
 
 
@@ -76,8 +76,8 @@ def complete_episode(job: Job, footage: Footage) -> Episode:
         collector.add(step, truth)
 
     episode = play_footage(job, footage, detector, tracker, keep)
-    episode = with_blame(episode, cameras, tracker, seen)
-    episode = with_error_budget(episode, cameras, tracker, seen)
+    episode = with_blame(episode, cameras, tracker, seen, job.system.lag)
+    episode = with_error_budget(episode, cameras, tracker, seen, job.system.lag)
     return with_origin(collector.added_to(episode), footage)
 
 
@@ -102,7 +102,7 @@ def play_footage(
     learnt = detector.learn(footage.background())
     # Frames and truths apart: neither detector nor tracker is near the truth.
     for_loop, for_scores = itertools.tee(footage.frames())
-    steps = follow((frame for frame, _ in for_loop), learnt, tracker)
+    steps = follow((frame for frame, _ in for_loop), learnt, tracker, job.system.lag)
     for step, (_, truth) in zip(steps, for_scores, strict=False):
         stages_s = {"render": step.render_s, "detect": step.detect_s, "track": step.track_s}
         slim = tuple(replace(view, mask=None, looks=None) for view in step.detections)

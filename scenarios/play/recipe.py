@@ -256,7 +256,7 @@ def _scenario(record: Mapping[str, Any], clips: Mapping[str, FileText], path: Pa
     name, wanted = given.get("name"), record.get("scenario_digest")
     if name in scenario_names():
         shipped = load_scenario(str(name))
-        if digest(shipped) == wanted:
+        if digest(shipped) == wanted and given == shipped.model_dump(mode="json"):
             return shipped
     parameters = {
         key: {**value, "file": clips[key]} if key in clips and "file" in value else value

@@ -48,7 +48,8 @@ def suite_record(suite: Suite) -> dict[str, Any]:
 
 
 def _entry_record(planned: PlannedScenario) -> str:
-    digests = [digest_of(planned.job(seed)) for seed in range(planned.seeds)]
+    first = planned.first_seed
+    digests = [digest_of(planned.job(seed)) for seed in range(first, first + planned.seeds)]
     digest = hashlib.sha256("\n".join(digests).encode()).hexdigest()
     return f"{planned.scenario.name}@{planned.scenario.version} x{planned.seeds} {digest}"
 

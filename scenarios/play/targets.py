@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from scenarios.play.job import Job, System
+from pjpdaf.errors import NotComparable
+from scenarios.play.job import Job, System, digest_of
+from scenarios.spec.corpus_case import CorpusEntry
 from scenarios.spec.draw import SETTINGS
 from scenarios.spec.names import resolve, scenarios_of
 from scenarios.spec.scenario import Scenario
-from scenarios.spec.suite import Suite
+from scenarios.spec.suite import Suite, SuiteEntry
 from sim.motion.stage import Value
 
 SCENARIO_SEEDS = 10  # of a scenario that is named without a suite
@@ -17,12 +19,16 @@ SCENARIO_SEEDS = 10  # of a scenario that is named without a suite
 
 @dataclass(frozen=True)
 class PlannedScenario:
-    """A scenario of a run: the values that its suite changes, and the number of seeds."""
+    """A scenario of a run: the values that its suite changes, and the number of seeds.
+
+    first_seed: where its seeds start.
+    """
 
     scenario: Scenario
     overrides: Mapping[str, Value]
     seeds: int
     label: str
+    first_seed: int = 0
 
     @property
     def changeable(self) -> frozenset[str]:
@@ -37,10 +43,11 @@ class PlannedScenario:
 def expand_target(target: str) -> list[PlannedScenario]:
     """Expand a target into the scenarios to play: a scenario, a suite, or a file of either.
 
-    Raises BenchError.
+    Raises BenchError; NotComparable for a corpus case whose scenario has changed.
     """
     named = resolve(target)
     if isinstance(named, Suite):
+        refuse_changed(named)
         return expand_suite(named)
     return _at_rates(PlannedScenario(named, {}, SCENARIO_SEEDS, named.name))
 
@@ -56,9 +63,26 @@ def expand_suite(suite: Suite) -> list[PlannedScenario]:
                 entry.overrides | ({} if entry.frames is None else {"frames": entry.frames}),
                 entry.seeds or suite.seeds,
                 entry.label or scenario.name,
+                _first_seed(entry),
             )
         )
     ]
+
+
+def _first_seed(entry: SuiteEntry) -> int:
+    return entry.first_seed if isinstance(entry, CorpusEntry) else 0
+
+
+def refuse_changed(suite: Suite) -> None:
+    """Raise NotComparable where a corpus case would no longer be the episode that failed."""
+    for entry, planned in zip(suite.scenarios, expand_suite(suite), strict=True):
+        if isinstance(entry, CorpusEntry):
+            job = planned.job(entry.first_seed)
+            if digest_of(job) != entry.digest:
+                raise NotComparable(
+                    f"{entry.label}: not comparable: {entry.scenario} has changed since this case "
+                    "was put into the corpus; search again, or remove the case"
+                )
 
 
 def _at_rates(planned: PlannedScenario) -> list[PlannedScenario]:

@@ -34,7 +34,11 @@ STYLES = {"pass": "green", "fail": "bold red", "inconclusive": "yellow"}
 
 @dataclass(frozen=True)
 class CompareRequest:
-    """Arguments of `compare`; None: not given. jobs: worker processes of an escalation."""
+    """Arguments of `compare`; None: not given.
+
+    Of an escalation: jobs, its worker processes; plug_ins, detectors and trackers that it may
+    import.
+    """
 
     base: Path
     new: Path
@@ -44,6 +48,7 @@ class CompareRequest:
     escalate: bool
     jobs: int | None
     argv: tuple[str, ...]
+    plug_ins: tuple[str, ...] = ()
 
 
 def compare_runs(request: CompareRequest) -> int:
@@ -61,7 +66,7 @@ def compare_runs(request: CompareRequest) -> int:
         raise BenchError(f"{out}: is a file; give --out a folder.")
     refused = ""
     if request.escalate:
-        verdict, refused = _escalated(base, new, margins, request.jobs, out / "reserve")
+        verdict, refused = _escalated(base, new, margins, request, out / "reserve")
     else:
         verdict = compare(base, new, margins)
     write_verdict(verdict, out, request.argv)
@@ -85,7 +90,7 @@ def _escalated(
     base: SavedRun,
     new: SavedRun,
     margins: Mapping[str, float],
-    jobs: int | None,
+    request: CompareRequest,
     folder: Path,
 ) -> tuple[Verdict, str]:
     """The verdict after as many reserve rounds as needed, and why they cannot be played here."""
@@ -93,7 +98,7 @@ def _escalated(
     from scenarios.execute.local import local_executor, worker_count
     from scenarios.run.escalate import LOOKS, CannotEscalate, escalate
 
-    workers = worker_count(jobs)
+    workers = worker_count(request.jobs)
     first = compare(base, new, margins, looks=LOOKS)
     if first.verdict != "inconclusive":
         return first, ""
@@ -110,7 +115,8 @@ def _escalated(
 
         try:
             here = provenance()
-            return escalate(base, new, margins, executor, folder, on_round, here), ""
+            allowed = request.plug_ins
+            return escalate(base, new, margins, executor, folder, on_round, here, allowed), ""
         except CannotEscalate as fault:
             return first, str(fault)
 

@@ -6,12 +6,14 @@ at the grown data has its share of the false alarms allowed in all (`reports.gat
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import shlex
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from pjpdaf.errors import BenchError
+from pjpdaf.presets.registry import PRESETS
 from reports.gate.gate import compare
 from reports.gate.pairing import joined, measured
 from reports.gate.replay import system_options
@@ -49,16 +51,18 @@ def escalate(
     folder: Path,
     on_round: OnRound,
     here: Mapping[str, Any],
+    plug_ins: Collection[str] = (),
 ) -> Verdict:
     """Play the reserve, round by round, until the verdict is clear or the last one is played.
 
-    The played rounds are saved below `folder`. here: the provenance of this code. Raises
-    CannotEscalate where one of the runs was not made by this very code, KeyboardInterrupt.
+    The played rounds are saved below `folder`. here: the provenance of this code; plug_ins: names
+    that the user allows to be imported. Raises CannotEscalate where one of the runs was not made by
+    this very code, KeyboardInterrupt.
     """
     reason = refusal(base, new, here)
     if reason:
         raise CannotEscalate(manual_command(new, reason))
-    plans = planned_jobs(base), planned_jobs(new)
+    plans = planned_jobs(base, plug_ins), planned_jobs(new, plug_ins)
     _check_reproducible((base, new), plans, executor)
     verdict = compare(base, new, margins, looks=LOOKS)
     for number in range(len(ROUNDS)):
@@ -100,7 +104,7 @@ def manual_command(new: SavedRun, reason: str) -> str:
     words = [*request["targets"], *system_options(new.meta)] if request else ["..."]
     return (
         f"inconclusive, and the reserve cannot be played here: {reason}; play it with each of the "
-        f"two versions and compare these runs: pjpdaf-bench run {' '.join(words)} "
+        f"two versions and compare these runs: pjpdaf-bench run {shlex.join(words)} "
         f"--first-seed {FIRST_RESERVE_SEED} --seeds {seeds} --slim --out DIR"
     )
 
@@ -116,12 +120,24 @@ def request_of(run: SavedRun) -> PlanRequest:
         settings=tuple(request["settings"]),
         detector=str(meta["detector"]),
         tracker=str(meta["tracker"]),
+        lag=int(meta.get("lag_frames", 0)),
     )
 
 
-def planned_jobs(run: SavedRun) -> list[Job]:
-    """Plan the jobs of a run again. Raises CannotEscalate where they differ from the run's."""
+def planned_jobs(run: SavedRun, plug_ins: Collection[str] = ()) -> list[Job]:
+    """Plan the jobs of a run again.
+
+    plug_ins: detectors and trackers that may be imported; a run of unknown origin can name any
+    module. Raises CannotEscalate where they differ from the run's, or others are needed.
+    """
     request = request_of(run)
+    for kind, name in (("detector", request.detector), ("tracker", request.tracker)):
+        if name not in PRESETS and name not in plug_ins:
+            reason = (
+                f"the {kind} {name!r} of {run.folder} is imported only where the command line "
+                f"allows it: --plug-in {shlex.quote(name)}"
+            )
+            raise CannotEscalate(manual_command(run, reason))
     allow_plug_ins_from_here(request.detector, request.tracker)
     try:
         jobs = plan(request)

@@ -30,6 +30,7 @@ from scenarios.execute.local import local_executor, worker_count
 from scenarios.play.from_dataset import open_with_sequences, renderer_of
 from scenarios.play.job import Job
 from scenarios.play.plan import PlanRequest, plan
+from scenarios.run.corpus_verdict import outcomes_of, refuse_regressions, verdict_lines
 from scenarios.run.save_run import save_run
 
 MAX_TIME_LIMIT_S = 86_400.0
@@ -113,6 +114,9 @@ def _play_and_save(
     settings = cache_settings() if request.plan.use_cache else None
     if origin := origin_line(played.rows, settings):
         out.print(origin, highlight=False, soft_wrap=True)
+    corpus = outcomes_of(request.plan.targets, jobs, played.rows)
+    for line in verdict_lines(corpus):
+        out.print(line, highlight=False, soft_wrap=True)
     if request.slim:
         out.print(f"slim run: {folder}", highlight=False, soft_wrap=True)
     else:
@@ -123,6 +127,7 @@ def _play_and_save(
             f"interrupted: {len(played.rows)} of {len(jobs)} episodes are in the saved run"
         )
     refuse_failures(played)
+    refuse_regressions(corpus)
 
 
 def refuse_failures(played: PlayResults) -> None:

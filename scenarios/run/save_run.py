@@ -43,6 +43,7 @@ def save_run(
         preset=preset,
         detector=request.detector,
         tracker=request.tracker,
+        lag_frames=request.lag,
         parameters=parameters_in_force(request),
         overrides=dict(pair.split("=", 1) for pair in request.settings),
         renderer=played.renderer,

@@ -8,6 +8,13 @@ from importlib.resources import files
 from pathlib import Path
 
 from pjpdaf.errors import BenchError
+from scenarios.spec.corpus_case import (
+    CORPUS,
+    corpus_cases,
+    corpus_suite,
+    is_corpus_file,
+    load_corpus_case,
+)
 from scenarios.spec.loader import load_either_file, load_scenario_file, load_suite_file, parse
 from scenarios.spec.scenario import Scenario
 from scenarios.spec.suggestion import did_you_mean
@@ -76,14 +83,21 @@ def load_suite(name: str) -> Suite:
 
 
 def resolve(name: str) -> Scenario | Suite:
-    """Load a scenario or a suite by name, or from a file of either. Raises BenchError."""
+    """Load a scenario or a suite by name, or from a file of either, or of a corpus case.
+
+    Raises BenchError.
+    """
     if is_path(name):
+        if is_corpus_file(name):
+            return corpus_suite((load_corpus_case(name),))
         return load_either_file(Path(name))
+    if name == CORPUS and (cases := corpus_cases(CORPUS)):
+        return corpus_suite(cases)
     if name in scenario_names():
         return _shipped_scenario(name)
     if name in suite_names():
         return _shipped_suite(name)
-    raise UnknownName("scenario or suite", name, (*scenario_names(), *suite_names()))
+    raise UnknownName("scenario or suite", name, (*scenario_names(), *suite_names(), CORPUS))
 
 
 def scenarios_of(suite: Suite) -> tuple[tuple[SuiteEntry, Scenario], ...]:

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-import importlib
 import time
 from itertools import groupby
 
 import numpy as np
 
-from pjpdaf.camera import StereoRig
-from pjpdaf.errors import BenchError, InfrastructureError, PlugInFault
+from pjpdaf.errors import BenchError, PlugInFault
 from pjpdaf.plugins.registry import describe_exception
-from pjpdaf.plugins.scenes import cameras_in_front
 from pjpdaf.targets import TARGETS
 from reports.score.events import find_events
 from reports.score.records import Episode, FailureKind
 from reports.score.robustness import robustness
 from scenarios.play.blame import blame
+from scenarios.play.fast import play_fast
 from scenarios.play.footage import open_footage
-from scenarios.play.job import Job, System
+from scenarios.play.job import Job
 from scenarios.play.play import make_system, play_footage
-from scenarios.spec.draw import perform
+from scenarios.spec.cameras import rig_of
+from scenarios.spec.draw import concrete, fault_of_draw, in_si
 from scenarios.stress.case import Trial, TrialFailure, TrialResult
 from sim.contact.contact import Unposable
 
@@ -30,7 +29,7 @@ LEAST_VISIBLE_SHARE = 0.2  # of a target's own pixels; with fewer it counts as h
 def play_trial(trial: Trial) -> TrialResult | BenchError:
     """Play a trial; a fault of plug-in or pose becomes its failure.
 
-    A fault of the machine, or of a system that cannot be built, is returned.
+    A fault of the machine, or of a system that cannot be played so, is returned.
 
     A fast episode is not judged before it is played: where it fails, and a person could not perform
     it, its failure is "unposable" and it counts as nothing.
@@ -38,12 +37,15 @@ def play_trial(trial: Trial) -> TrialResult | BenchError:
     started = time.process_time()
     job = trial.case.job(trial.system)
     try:
+        rig_of(in_si(job.scenario, concrete(job.scenario, job.seed, job.overrides)))
+    except BenchError as fault:
+        return _failure(trial.key, "unposable", str(fault))  # as of a lens that shows points twice
+    try:
         result = _fast(job, trial.key) if trial.fidelity == "fast" else _full(job, trial.key)
-    except InfrastructureError as fault:
+    except BenchError as fault:
         return fault
-    except (Unposable, BenchError) as fault:
-        # Values that do not go together, as of a lens: nobody can play them.
-        return _fault_of(trial.system) or _failure(trial.key, "unposable", str(fault))
+    except Unposable as fault:
+        return _failure(trial.key, "unposable", str(fault))
     except PlugInFault as fault:
         return _failure(trial.key, "plug-in", str(fault))
     except (Exception, SystemExit, KeyboardInterrupt) as fault:
@@ -81,13 +83,9 @@ def occluded_frames(episode: Episode) -> tuple[int, ...]:
 
 
 def _fast(job: Job, key: str) -> TrialResult:
-    play_fast = importlib.import_module("scenarios.play.fast").play_fast
     result = result_of(key, play_fast(job))
-    if result.failed:
-        performance = perform(job.scenario, job.seed, job.overrides)
-        if performance.redrawn:
-            return _failure(key, "unposable", "a person could not perform it")
-    return result
+    fault = fault_of_draw(job.scenario, job.seed, job.overrides) if result.failed else None
+    return result if fault is None else _failure(key, "unposable", fault)
 
 
 def _full(job: Job, key: str) -> TrialResult:
@@ -98,15 +96,6 @@ def _full(job: Job, key: str) -> TrialResult:
             return result
         stages = blame(episode, footage.calibration.cameras, tracker)
     return TrialResult(**{**vars(result), "blame": stages})
-
-
-def _fault_of(system: System) -> BenchError | None:
-    """The fault of a system that cannot be built; None where it can."""
-    try:
-        make_system(system, StereoRig(*cameras_in_front()))
-    except BenchError as fault:
-        return fault
-    return None
 
 
 def _failure(key: str, kind: FailureKind, reason: str) -> TrialResult:

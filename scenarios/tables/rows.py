@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,9 +13,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from pjpdaf.errors import BenchError
+from sim.parquet import TooLarge, read_bounded
 
 SUFFIXES = (".csv", ".parquet")
 BATCH_ROWS = 10_000
+MAX_BYTES = 256 << 20  # of a CSV file
+MAX_COLUMNS = 1000
+MAX_ROWS = 2_000_000
 
 TableRow = tuple[str, Mapping[str, Any]]  # its place, for messages, and its cells by column
 
@@ -45,22 +50,29 @@ def read_rows(path: Path, columns: Columns, *, sequence: bool = False) -> Iterat
 def _check_columns(where: str, names: Sequence[str], needed: Sequence[str]) -> None:
     missing = [name for name in needed if name not in names]
     if missing:
-        there = ", ".join(names)[:120]
+        there = ", ".join(name[:60] for name in names[:20])[:120]
         raise BenchError(f"{where}: lacks the columns {', '.join(missing)}; there are: {there}")
-    twice = [name for name in names if names.count(name) > 1]
+    if len(names) > MAX_COLUMNS:
+        raise BenchError(f"{where}: has more than {MAX_COLUMNS} columns")
+    counts = Counter(names)
+    twice = [name for name in names if counts[name] > 1]
     if twice:
-        raise BenchError(f"{where}: has the column {twice[0]!r} twice")
+        raise BenchError(f"{where}: has the column {twice[0][:60]!r} twice")
 
 
 def _rows_of_csv(path: Path, needed: Sequence[str]) -> Iterator[TableRow]:
+    if path.stat().st_size > MAX_BYTES:
+        raise BenchError(f"{path}: is larger than {MAX_BYTES >> 20} MiB.")
     with path.open(encoding="utf-8-sig", newline="") as file:
         lines = csv.reader(file)
         try:
             names = [name.strip() for name in next(lines, [])]
             _check_columns(f"{path}:1", names, needed)
-            for cells in lines:
+            for number, cells in enumerate(lines):
                 if not cells:
                     continue
+                if number >= MAX_ROWS:
+                    raise BenchError(f"{path}: has more than {MAX_ROWS} rows.")
                 where = f"{path}:{lines.line_num}"
                 if len(cells) != len(names):
                     raise BenchError(
@@ -87,10 +99,14 @@ def _rows_of_parquet(
                 kind = file.schema_arrow.field(name).type
                 if pa.types.is_nested(kind):
                     raise BenchError(f"{path}: column {name!r} must be numbers or text, is {kind}")
-            for batch in file.iter_batches(BATCH_ROWS, columns=taken):
-                for row in batch.to_pylist():
-                    number += 1
-                    yield f"{path}: row {number}", row
-    except (pa.ArrowException, UnicodeDecodeError) as fault:
+            if file.metadata.num_rows > MAX_ROWS:
+                raise BenchError(f"{path}: has more than {MAX_ROWS} rows.")
+        for batch in read_bounded(path, taken).to_batches(BATCH_ROWS):
+            for row in batch.to_pylist():
+                number += 1
+                yield f"{path}: row {number}", row
+    except TooLarge as fault:
+        raise BenchError(f"{path}: {fault}.") from None
+    except (pa.ArrowException, ValueError) as fault:
         reason = " ".join(str(fault).split())[:200].rstrip(".")
         raise BenchError(f"{path}: cannot be read as Parquet: {reason}.") from fault

@@ -10,6 +10,7 @@ import csv
 import math
 import zipfile
 import zlib
+from collections import Counter
 from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -25,6 +26,7 @@ SUFFIXES = (".npz", ".csv", ".bvh")
 MAX_BYTES = 64 << 20
 MAX_UNPACKED = 256 << 20  # of an NPZ: it may be compressed
 MAX_FRAMES = 1_000_000
+MAX_COLUMNS = 10_000
 
 # The short names of joints: NPZ files, and the CSV files that go with them.
 SHORT = {
@@ -176,8 +178,11 @@ def clip_of_csv(text: str, path: str) -> Clip:
 
 def _columns(header: list[str], where: str) -> tuple[int, dict[str, tuple[int, int, int]]]:
     """Where the time is, and the x, y, z of each joint that has columns."""
+    if len(header) > MAX_COLUMNS:
+        raise BenchError(f"{where}: has more than {MAX_COLUMNS} columns")
+    counts = Counter(header)
     for name in header:
-        if name and header.count(name) > 1:
+        if name and counts[name] > 1:
             raise BenchError(f"{where}: column {name[:40]} is there twice")
     short = "t" in header and "time_s" not in header
     names = SHORT if short else {joint: joint for joint in JOINTS}

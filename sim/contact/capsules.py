@@ -34,9 +34,10 @@ def overlaps(a: Capsules, b: Capsules) -> tuple[Floats, Floats, Floats]:
     """Overlap (n, m) of each bar of a with each of b, their axes' distance, and b -> a (n, m, 3).
 
     All pairs at once; closest points of segments: Ericson, Real-Time Collision Detection 5.1.9.
+    Bars (..., n, 3) of many moments give results with the same axes in front.
     """
-    p, d1 = a.starts_m[:, None], (a.ends_m - a.starts_m)[:, None]
-    q, d2 = b.starts_m[None], (b.ends_m - b.starts_m)[None]
+    p, d1 = a.starts_m[..., :, None, :], (a.ends_m - a.starts_m)[..., :, None, :]
+    q, d2 = b.starts_m[..., None, :, :], (b.ends_m - b.starts_m)[..., None, :, :]
     r = p - q
     A, E = (d1 * d1).sum(-1), (d2 * d2).sum(-1)
     F, C, B = (d2 * r).sum(-1), (d1 * r).sum(-1), (d1 * d2).sum(-1)

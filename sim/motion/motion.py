@@ -154,15 +154,15 @@ class Performer:
 
     scene: SceneSpec
     plan: MotionPlan
-    _table: Table = field(init=False)
+    table: Table = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "_table", table_of(self.scene.room))
+        object.__setattr__(self, "table", table_of(self.scene.room))
 
     def obstacles(self, torso: Transform, head: Transform) -> Obstacles:
         """The obstacles of the hands while torso and head are there."""
         return Obstacles(
-            self._table,
+            self.table,
             person_solids(
                 self.scene.anatomy,
                 torso.position_m,
@@ -190,7 +190,7 @@ class Performer:
                 palm_m,
                 state.rotation,
                 swivel,
-                elbow_above_m=elbow_floor(anatomy, self._table, palm_m),
+                elbow_above_m=elbow_floor(anatomy, self.table, palm_m),
                 forward=torso.rotation[:, 0],
             )
 
@@ -203,7 +203,7 @@ class Performer:
         return Body(torso, head, arms, states)
 
     @cached_property
-    def _carried(self) -> tuple[tuple[Hold, Transform, Transform], ...]:
+    def carried(self) -> tuple[tuple[Hold, Transform, Transform], ...]:
         """Per hold, in order of time: the object in the hand's frame, and where it is left."""
         carried = []
         standing = {
@@ -217,7 +217,7 @@ class Performer:
             if hold.put_down:
                 x, y, _ = down.position_m.tolist()
                 yaw = math.atan2(down.rotation[1, 0], down.rotation[0, 0])
-                down = Transform(np.array([x, y, self._table.top_m]), about_z(yaw))
+                down = Transform(np.array([x, y, self.table.top_m]), about_z(yaw))
             standing[hold.name] = down
             carried.append((hold, grip, down))
         return tuple(carried)
@@ -228,7 +228,7 @@ class Performer:
 
     def _objects(self, t_s: float, body: Body) -> Mapping[str, Transform]:
         places = {o.name: object_at_rest(self.scene.room, o.name) for o in self.scene.room.objects}
-        for hold, grip, down in self._carried:
+        for hold, grip, down in self.carried:
             if t_s >= hold.to_s:
                 places[hold.name] = down
             elif t_s >= hold.from_s:

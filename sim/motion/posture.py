@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -67,3 +69,94 @@ def _held(carriage: Carriage) -> Floats:
         return np.eye(3)
     lean = about_x(-carriage.sideways_rad) @ about_y(carriage.forward_rad)
     return lean @ about_z(carriage.turn_rad)
+
+
+@dataclass(frozen=True, eq=False)
+class HandsOver:
+    """Planned states of a hand over F moments, as in `HandState`: positions_m (F, 3), rotations
+    (F, 3, 3), curls (F, 5), air, with_head, nod_rad, swivel_rad (F,).
+    """
+
+    positions_m: Floats
+    rotations: Floats
+    curls: Floats
+    air: Floats
+    with_head: Floats
+    nod_rad: Floats
+    swivel_rad: Floats
+
+    @staticmethod
+    def of(states: Sequence[HandState]) -> HandsOver:
+        """The states of F moments."""
+        q = np.array([state.quaternion for state in states])
+        w, x, y, z = (q / np.sqrt((q * q).sum(axis=1))[:, None]).T
+        rotations = np.empty((len(q), 3, 3))
+        rotations[:, 0] = np.stack(
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], axis=1
+        )
+        rotations[:, 1] = np.stack(
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)], axis=1
+        )
+        rotations[:, 2] = np.stack(
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=1
+        )
+        rest = np.array([[s.air, s.with_head, s.nod_rad, s.swivel_rad] for s in states]).T
+        return HandsOver(
+            np.array([state.position_m for state in states]),
+            rotations,
+            np.array([state.curls for state in states]),
+            *rest,
+        )
+
+
+def posture_over(
+    anatomy: Anatomy,
+    hands: tuple[HandsOver, HandsOver],
+    sway_m: Floats,
+    carriages: Sequence[Carriage],
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """`posture` of F moments: torso_m (F, 3), torso (F, 3, 3), head_m (F, 3), head (F, 3, 3).
+
+    sway_m (F, 3); carriages (F).
+    """
+    pivot = np.array([0.0, 0.0, _HIP_HEIGHT_H * anatomy.stature_m])
+    upright = np.array([0.0, 0.0, anatomy.mid_shoulder_height_m])
+    arm_m = anatomy.upper_arm_m + anatomy.forearm_m
+    spine = upright - pivot
+    held = np.array([_held(carriage) for carriage in carriages])
+    carried = np.array([[c.turn_rad, c.look_yaw_rad, c.look_pitch_rad] for c in carriages])
+    lean = np.zeros(len(carriages))
+    half, drop = anatomy.shoulder_half_breadth_m, anatomy.shoulder_drop_m
+    for state, outward in zip(hands, (-1.0, 1.0), strict=True):
+        shoulder = pivot + held @ spine + held @ np.array([0.0, outward * half, -drop])
+        wrist = state.positions_m - anatomy.wrist_to_palm_m * state.rotations[:, :, 0]
+        short = (np.linalg.norm(wrist - shoulder, axis=1) - 0.95 * arm_m) / 0.015
+        lean += 1.3 * 0.015 * np.logaddexp(0.0, short) / norm(spine)
+    turn = _about_y_over(_MAX_LEAN_RAD * np.tanh(lean / _MAX_LEAN_RAD)) @ held
+    torso_m = pivot + turn @ spine + _TORSO_SHARE * sway_m
+    above = np.array([_HEAD_FORWARD_M, 0.0, anatomy.neck_to_head_centre_m]) + np.array(
+        [carriage.head_m for carriage in carriages]
+    )
+    head_m = torso_m + (turn @ above[..., None])[..., 0] + (1 - _TORSO_SHARE) * sway_m
+    weight, yaw, pitch = np.zeros((3, len(carriages)))
+    for state in hands:
+        dx, dy, dz = (state.positions_m - upright - above).T
+        drawn = (0.05 + state.air) * (1.0 - state.with_head)
+        weight += drawn
+        yaw += drawn * np.arctan2(dy, np.maximum(dx, 0.15))
+        pitch += drawn * np.arctan2(-dz, np.maximum(dx, 0.15))
+    yaw = yaw * 0.25 / (weight + 0.3) + carried[:, 0] + carried[:, 1]
+    pitch = 0.08 + 0.15 * pitch / (weight + 0.3) + sum(state.nod_rad for state in hands)
+    c, s = np.cos(yaw), np.sin(yaw)
+    zero = np.zeros_like(c)
+    about_z_over = np.stack([c, -s, zero, s, c, zero, zero, zero, zero + 1], axis=1)
+    head = about_z_over.reshape(-1, 3, 3) @ _about_y_over(pitch + carried[:, 2])
+    return torso_m, turn, head_m, head
+
+
+def _about_y_over(angle_rad: Floats) -> Floats:
+    """Rotations (F, 3, 3) about y."""
+    c, s = np.cos(angle_rad), np.sin(angle_rad)
+    zero = np.zeros_like(c)
+    turned = np.stack([c, zero, s, zero, zero + 1, zero, -s, zero, c], axis=1)
+    return np.asarray(turned.reshape(-1, 3, 3))

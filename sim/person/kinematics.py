@@ -20,7 +20,7 @@ MAX_WRIST_BEND_RAD = math.radians(55.0)  # forearm against hand: flexion 80, ext
 MAX_STRETCH = 0.985  # of upper arm + forearm: an arm in use never locks its elbow
 MAX_SWIVEL_RAD = math.radians(100.0)
 MAX_EXTENSION_RAD = math.radians(60.0)  # upper arm behind the plane of the trunk
-_FARTHEST_BACK = math.sin(MAX_EXTENSION_RAD - math.radians(2.0))  # of the upper arm's length
+FARTHEST_BACK = math.sin(MAX_EXTENSION_RAD - math.radians(2.0))  # of the upper arm's length
 MAX_ADDUCTION_RAD = math.radians(50.0)  # upper arm across the body, from straight ahead
 
 
@@ -185,7 +185,7 @@ def solve_arm(
         if elbow_above_m > -math.inf:
             swivel = max(swivel, circle.least_swivel(elbow_above_m))
         if forward is not None:
-            behind = float(shoulder_m @ forward) - a * _FARTHEST_BACK
+            behind = float(shoulder_m @ forward) - a * FARTHEST_BACK
             swivel = max(swivel, circle.least_swivel_towards(forward, behind))
         return swivel
 

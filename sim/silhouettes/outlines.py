@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
-from sim.silhouettes.shapes import TARGET_PAINT, Bars, Hull
+from sim.silhouettes.patches import Box, T
+from sim.silhouettes.shapes import BARE, TARGET_PAINT, Bars, Hull
 
 SHIFT = 4  # binary digits of a pixel's fraction, as `cv2.fillConvexPoly` takes them
 # It fills every pixel that an outline touches: half a pixel more on all sides.
@@ -31,7 +32,9 @@ class Outlines:
     bars (F, n, 12, 2), hulls (h) of (F, k, 2): int32 pixels times 2^SHIFT, of which the hulls' are
     points whose convex hull is the outline; paints (n + h,); depths_m (F, n + h); boxes (F, n + h,
     4): left, top, right, bottom [reduced px]; size: height, width of the picture.
-    order: (F) of the shapes to paint, farthest first.
+    order: (F) of the shapes to paint, farthest first. target_boxes: (F) of the boxes of the
+    targets, in whole pixels inside the picture; covered: (F) of whether something may lie over
+    them; other_skin: whether there is skin that is no target's.
     """
 
     bars: NDArray[np.int32]
@@ -42,6 +45,9 @@ class Outlines:
     order: tuple[list[int], ...]
     size: tuple[int, int]
     step_px: int
+    target_boxes: list[list[Box]]
+    covered: list[list[bool]]
+    other_skin: bool
 
 
 def reduced_camera(camera: Camera, step_px: int) -> Camera:
@@ -93,8 +99,19 @@ def outlines_of(
             np.argsort(-depths_m, axis=1, kind="stable"), wanted, strict=True
         )
     )
+    target_boxes, covered = _targets(paints, depths_m, all_boxes, size)
     return Outlines(
-        bar_pixels, tuple(pixels), paints.tolist(), depths_m, all_boxes, order, size, step_px
+        bar_pixels,
+        tuple(pixels),
+        paints.tolist(),
+        depths_m,
+        all_boxes,
+        order,
+        size,
+        step_px,
+        target_boxes,
+        covered,
+        bool((paints == BARE).any()),
     )
 
 
@@ -216,7 +233,7 @@ def _inside(boxes: Floats, size: tuple[int, int]) -> NDArray[np.bool_]:
 def _matters(paints: NDArray[np.uint8], depths_m: Floats, boxes: Floats) -> NDArray[np.bool_]:
     """Skin, and what overlaps the box of a target and is nearer than its farthest part (F, n)."""
     target = paints >= TARGET_PAINT
-    out = np.broadcast_to(target | (paints == 3), depths_m.shape).copy()
+    out = np.broadcast_to(target | (paints == BARE), depths_m.shape).copy()
     for shade in np.unique(paints[target]):
         own = paints == shade
         low, high = boxes[:, own, :2].min(axis=1), boxes[:, own, 2:].max(axis=1)
@@ -227,13 +244,26 @@ def _matters(paints: NDArray[np.uint8], depths_m: Floats, boxes: Floats) -> NDAr
     return out
 
 
-def overlapped(outlines: Outlines, shade: int) -> NDArray[np.bool_]:
-    """Whether shapes of other classes may cover a class, (F,)."""
-    paints = np.array(outlines.paints)
-    own, other = paints == shade, paints != shade
-    boxes, depths = outlines.boxes, outlines.depths_m
-    low, high = boxes[:, own, :2].min(axis=1), boxes[:, own, 2:].max(axis=1)
-    over = (boxes[..., 0] < high[:, :1]) & (boxes[..., 2] > low[:, :1])
-    over &= (boxes[..., 1] < high[:, 1:]) & (boxes[..., 3] > low[:, 1:])
-    over &= depths < depths[:, own].max(axis=1)[:, None]
-    return np.asarray((over & other).any(axis=1))
+def _targets(
+    paints: NDArray[np.uint8], depths_m: Floats, boxes: Floats, size: tuple[int, int]
+) -> tuple[list[list[Box]], list[list[bool]]]:
+    """Boxes of the targets, and whether a nearer shape's box overlaps them, per frame."""
+    height, width = size
+    corners, covers = [], []
+    for target in range(T):
+        own = paints == TARGET_PAINT + target
+        if not own.any():
+            corners.append(np.zeros((len(boxes), 4), int))
+            covers.append(np.zeros(len(boxes), bool))
+            continue
+        low, high = boxes[:, own, :2].min(axis=1), boxes[:, own, 2:].max(axis=1)
+        over = (boxes[..., 0] < high[:, :1]) & (boxes[..., 2] > low[:, :1])
+        over &= (boxes[..., 1] < high[:, 1:]) & (boxes[..., 3] > low[:, 1:])
+        over &= (depths_m < depths_m[:, own].max(axis=1)[:, None]) & ~own
+        covers.append(over.any(axis=1))
+        around = np.concatenate([np.floor(low) - 1, np.ceil(high) + 2], axis=1)
+        corners.append(np.clip(around, 0, [width, height, width, height]).astype(int))
+    return (
+        [[tuple(box) for box in frame] for frame in np.stack(corners, axis=1).tolist()],
+        np.stack(covers, axis=1).tolist(),
+    )

@@ -9,15 +9,17 @@ from numpy.typing import NDArray
 
 from sim.silhouettes.film import Film
 from sim.silhouettes.outlines import paint
+from sim.silhouettes.patches import Patches, patch_of
 
 
 class PaintedView(NamedTuple):
     """A view of a frame: classes uint8 (h, w) of `sim.silhouettes.shapes`, of the picture reduced
-    by step_px, without the lens's distortion.
+    by step_px, without the lens's distortion; patches: of the targets.
     """
 
     classes: NDArray[np.uint8]
     step_px: int
+    patches: Patches
 
 
 class Painter:
@@ -34,6 +36,12 @@ class Painter:
             for outlines in self.film.outlines:
                 canvas = np.zeros(outlines.size, np.uint8)
                 paint(outlines, frame, canvas)
-                views.append(PaintedView(canvas, outlines.step_px))
+                patches = tuple(
+                    patch_of(canvas, target, box, covered)
+                    for target, (box, covered) in enumerate(
+                        zip(outlines.target_boxes[frame], outlines.covered[frame], strict=True)
+                    )
+                )
+                views.append(PaintedView(canvas, outlines.step_px, patches))
             self._last = frame, tuple(views)
         return self._last[1]

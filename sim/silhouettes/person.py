@@ -31,13 +31,16 @@ _ROLLED = 0.30  # of the forearm
 _FLAT_END = 0.55  # of its radius, by which a bar is shorter than the flat end it stands for
 # Bars of the wrist of an average hand: beside the middle, along the hand.
 _WRIST_ACROSS_M, _WRIST_X_M, _WRIST_RADIUS_M = (-0.0095, 0.0095), (-0.074, -0.050), 0.0165
-# How much nearer than their mean hair and collar count: the face and the neck are before the hair,
-# the collar is before the neck.
-_HAIR_M, _COLLAR_M, _TRUNK_M = -0.08, 0.03, -0.02
+# How much nearer than their mean they count: the neck is before the hair, and seen down to the
+# front of the collar's rim.
+_HAIR_M, _NECK_M, _TRUNK_M = -0.08, 0.04, -0.02
+_RIM_M = 0.047  # radius at which neck and collar meet
+_TURN = np.linspace(0.0, 2.0 * np.pi, 13)[:-1]
+_CIRCLE = np.column_stack([np.cos(_TURN), np.sin(_TURN)])
 
 
 def person_bars(track: PoseTrack, anatomy: Anatomy, appearance: Appearance) -> Bars:
-    """Hands, forearms, upper arms, neck and shoulders as bars."""
+    """Hands, forearms and upper arms as bars."""
     parts = [
         part
         for side in (0, 1)
@@ -46,7 +49,7 @@ def person_bars(track: PoseTrack, anatomy: Anatomy, appearance: Appearance) -> B
             *_arm(track, anatomy, appearance.sleeves, side),
         )
     ]
-    return joined([*parts, _neck(track, anatomy)])
+    return joined(parts)
 
 
 def _hand(track: PoseTrack, anatomy: Anatomy, side: int) -> Bars:
@@ -121,18 +124,22 @@ def _stretch(
     return bars_of(points[:, :-1], points[:, 1:], np.column_stack([radii[:-1], radii[1:]]), paint)
 
 
-def _neck(track: PoseTrack, anatomy: Anatomy) -> Bars:
-    """The neck, skin of the head, down into the collar."""
+def _neck(track: PoseTrack, anatomy: Anatomy) -> Hull:
+    """The neck, skin of the head, from a ring below the chin down to the collar's rim."""
     k = anatomy.head_breadth_m / 0.1522
-    ends = track.head.moved(np.array([[-0.008, 0.0, -0.050], [-0.008, 0.0, -0.040 - 0.08 * k]]))
-    radii = np.array([[0.0445, 0.0435]]) * k
-    return bars_of(ends[:, :1], ends[:, 1:], radii, TARGET_PAINT + HEAD)
+    above = track.head.moved(_ring(0.0435 * k, -0.008, -0.050))
+    below = track.torso.moved(_ring(_RIM_M, 0.004, COLLAR_TOP_M))
+    return Hull(np.concatenate([above, below], axis=1), TARGET_PAINT + HEAD, _NECK_M)
+
+
+def _ring(radius_m: float, x_m: float, z_m: float) -> Floats:
+    return np.column_stack([radius_m * _CIRCLE + [x_m, 0.0], np.full(len(_CIRCLE), z_m)])
 
 
 def person_hulls(
     track: PoseTrack, anatomy: Anatomy, appearance: Appearance, table_height_m: float
 ) -> list[Hull]:
-    """Hair, bare face with ears, collar and the pieces of the trunk above the table."""
+    """Hair, bare face with ears, neck, collar and the pieces of the trunk above the table."""
     bare, hair = outline_points(anatomy, appearance.hair)
     k = anatomy.head_breadth_m / 0.1522
     if appearance.hair != "long":
@@ -146,7 +153,9 @@ def person_hulls(
     lowest = table_height_m - _SEEN_BELOW_M - anatomy.mid_shoulder_height_m
     pieces = _trunk(anatomy, lowest)
     hulls += [Hull(track.torso.moved(piece), CLOTHED, _TRUNK_M) for piece in pieces]
-    return [*hulls, Hull(track.torso.moved(_collar()), CLOTHED, _COLLAR_M)]
+    rims = [_ring(0.0565, 0.004, z_m) for z_m in (0.045, COLLAR_TOP_M)]
+    collar = Hull(track.torso.moved(np.concatenate(rims)), CLOTHED, _TRUNK_M)
+    return [*hulls, collar, _neck(track, anatomy)]
 
 
 _EAR = ((0.0765, 0.025), (0.0805, 0.0), (0.0765, -0.025))  # half breadth, height from its middle
@@ -166,11 +175,3 @@ def _trunk(anatomy: Anatomy, lowest_m: float) -> tuple[Floats, ...]:
 
 
 _SLICES = ((-0.57, -0.20), (-0.23, -0.005), (-0.03, 0.06))  # of the average trunk
-
-
-@lru_cache(maxsize=1)
-def _collar() -> Floats:
-    turn = np.linspace(0.0, 2.0 * np.pi, 9)[:-1]
-    ring = 0.0565 * np.column_stack([np.cos(turn), np.sin(turn)]) + [0.004, 0.0]
-    heights = (0.045, COLLAR_TOP_M)
-    return np.concatenate([np.column_stack([ring, np.full(len(ring), z_m)]) for z_m in heights])

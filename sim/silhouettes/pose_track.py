@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
-from sim.pose import Pose, Transform
+from sim.contact.solids import Table
+from sim.motion.motion import Performer, elbow_floor, object_at_rest
+from sim.motion.posture import HandsOver, posture_over
+from sim.motion.strokes import Wobble
+from sim.person.kinematics import OUTWARD
+from sim.pose import Transform
+from sim.scene.extras import WithExtras
 from sim.script import Script
+from sim.silhouettes.arms_over import ArmsOver, arms_over
+from sim.silhouettes.contact_over import may_touch, shapes_over
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +59,24 @@ class PoseTrack:
 
 
 def pose_track(script: Script, anatomy: Anatomy, times_s: Sequence[float]) -> PoseTrack:
-    """The poses of a script at these times, one after the other."""
+    """The poses of a script at these times: a performer's all at once, others' one by one.
+
+    All at once differs from `Script.pose` by rounding only.
+    """
+    if isinstance(script, WithExtras):
+        track = pose_track(script.script, anatomy, times_s)
+        moved = {
+            name: _places([extra.at(t_s) for t_s in times_s])
+            for name, extra in script.extras.tracks.items()
+        }
+        return replace(track, objects={**track.objects, **moved})
+    if isinstance(script, Performer):
+        return _performer_track(script, times_s)
+    return one_by_one(script, anatomy, times_s)
+
+
+def one_by_one(script: Script, anatomy: Anatomy, times_s: Sequence[float]) -> PoseTrack:
+    """The poses of a script at these times, each by `Script.pose`."""
     poses = [script.pose(t_s) for t_s in times_s]
     hands = (_places([p.hands[0] for p in poses]), _places([p.hands[1] for p in poses]))
     palm = anatomy.wrist_to_palm_m
@@ -65,12 +90,104 @@ def pose_track(script: Script, anatomy: Anatomy, times_s: Sequence[float]) -> Po
         elbows_m=np.array([[arm.position_m for arm in p.forearms] for p in poses]),
         wrists_m=np.stack(wrists, axis=1),
         curls=np.array([p.curls for p in poses]),
-        objects=_objects(poses),
+        objects={n: _places([p.objects[n] for p in poses]) for n in poses[0].objects},
     )
 
 
-def _objects(poses: Sequence[Pose]) -> Mapping[str, Places]:
-    return {name: _places([p.objects[name] for p in poses]) for name in poses[0].objects}
+def _performer_track(performer: Performer, times_s: Sequence[float]) -> PoseTrack:
+    plan, anatomy, table = performer.plan, performer.scene.anatomy, performer.table
+    times = np.array(times_s, dtype=np.float64)
+    hands = (
+        HandsOver.of([plan.hands[0].at(t_s) for t_s in times_s]),
+        HandsOver.of([plan.hands[1].at(t_s) for t_s in times_s]),
+    )
+    sway = _wobble_over(plan.sway, times)
+    torso_m, torso, head_m, head = posture_over(
+        anatomy, hands, sway, [plan.carriage.at(t_s) for t_s in times_s]
+    )
+    arms, shapes = [], []
+    for side, state in enumerate(hands):
+        tremor = _wobble_over(plan.tremor[side], times)
+        palm = state.positions_m + state.air[:, None] * tremor + state.with_head[:, None] * sway
+        joint = np.array(
+            [0.0, OUTWARD[side] * anatomy.shoulder_half_breadth_m, -anatomy.shoulder_drop_m]
+        )
+        arm = arms_over(
+            anatomy,
+            side,
+            torso_m + torso @ joint,
+            palm,
+            state.rotations,
+            plan.swivel_rad + state.swivel_rad,
+            _elbow_floor_over(anatomy, table, palm),
+            torso[:, :, 0],
+        )
+        arms.append(arm)
+        shapes.append(shapes_over(anatomy, side, arm, state.curls))
+    joints = np.stack([_joints(arm) for arm in arms], axis=1)  # (F, 2, 4, 3)
+    turned = np.stack([arm.hand for arm in arms], axis=1)
+    touch = may_touch(anatomy, (shapes[0], shapes[1]), table, (torso_m, torso), (head_m, head))
+    for frame in np.flatnonzero(touch).tolist():
+        for side, solved in enumerate(performer.body(times_s[frame]).arms):
+            joints[frame, side] = (
+                solved.shoulder_m,
+                solved.elbow_m,
+                solved.wrist_m,
+                solved.palm_m,
+            )
+            turned[frame, side] = solved.hand
+    places = (
+        Places(joints[:, 0, 3], turned[:, 0]),
+        Places(joints[:, 1, 3], turned[:, 1]),
+    )
+    return PoseTrack(
+        times_s=times,
+        torso=Places(torso_m, torso),
+        head=Places(head_m, head),
+        hands=places,
+        shoulders_m=joints[:, :, 0],
+        elbows_m=joints[:, :, 1],
+        wrists_m=joints[:, :, 2],
+        curls=np.stack([hands[0].curls, hands[1].curls], axis=1),
+        objects=_objects_over(performer, times, places),
+    )
+
+
+def _joints(arm: ArmsOver) -> Floats:
+    return np.stack([arm.shoulder_m, arm.elbow_m, arm.wrist_m, arm.palm_m], axis=1)
+
+
+def _wobble_over(wobble: Wobble, times_s: Floats) -> Floats:
+    """Displacements (F, 3)."""
+    angles = (2.0 * np.pi * times_s)[:, None, None] * wobble.frequencies_hz + wobble.phases_rad
+    return np.asarray((wobble.amplitudes_m * np.sin(angles)).sum(axis=1))
+
+
+def _elbow_floor_over(anatomy: Anatomy, table: Table, palms_m: Floats) -> Floats:
+    """`elbow_floor` of palms (F, 3)."""
+    return np.array([elbow_floor(anatomy, table, palm) for palm in palms_m])
+
+
+def _objects_over(
+    performer: Performer, times_s: Floats, hands: tuple[Places, Places]
+) -> Mapping[str, Places]:
+    """Places of the room's objects, held and put down as the plan has it."""
+    frames, room = len(times_s), performer.scene.room
+    objects = {}
+    for spec in room.objects:
+        rest = object_at_rest(room, spec.name)
+        objects[spec.name] = Places(
+            np.tile(rest.position_m, (frames, 1)), np.tile(rest.rotation, (frames, 1, 1))
+        )
+    for hold, grip, down in performer.carried:
+        places, hand = objects[hold.name], hands[hold.side]
+        held = (times_s >= hold.from_s) & (times_s < hold.to_s)
+        turn = hand.rotations[held]
+        places.positions_m[held] = hand.positions_m[held] + turn @ grip.position_m
+        places.rotations[held] = turn @ grip.rotation
+        left = times_s >= hold.to_s
+        places.positions_m[left], places.rotations[left] = down.position_m, down.rotation
+    return objects
 
 
 def _places(transforms: Sequence[Transform]) -> Places:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from itertools import combinations
 from typing import final
 
 import numpy as np
 
-from pjpdaf.arrays import Ints
+from pjpdaf.arrays import Floats, Ints
 from pjpdaf.camera import Camera
 from pjpdaf.detector.clusters import ClusterParameters, cluster
 from pjpdaf.detector.components import Segments, min_area_px, segments
@@ -18,6 +19,7 @@ from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detections, Estimates
 from sim.silhouettes.error_model import BlobErrors
 from sim.silhouettes.painter import PaintedView, Painter
+from sim.silhouettes.patches import Patches, T, apart
 from sim.silhouettes.shapes import BARE
 
 STEP_PX = 4  # pictures are painted so much smaller
@@ -38,11 +40,17 @@ class SkinBlobs:
     painter: Painter
     errors: BlobErrors
     _all_pixels: ClusterParameters = field(init=False, repr=False)
+    _simple: bool = field(init=False, repr=False)
+    _centre_covariances: Floats = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         # The painted pixels are the sample of every fourth row and column already.
         whole = replace(self.parameters.clusters, subsample=1)
         object.__setattr__(self, "_all_pixels", whole)
+        other_skin = any(view.other_skin for view in self.painter.film.outlines)
+        object.__setattr__(self, "_simple", whole.components_compete and not other_skin)
+        one = self.parameters.centre_sd_px**2 * np.eye(2)
+        object.__setattr__(self, "_centre_covariances", np.tile(one, (T, 1, 1)))
 
     def learn(self, background: Iterable[StereoFrame]) -> SkinBlobs:
         """Return itself: there is nothing to learn."""
@@ -65,20 +73,52 @@ class SkinBlobs:
     ) -> Detections:
         p, step = self.parameters, painted.step_px
         least = min_area_px(p.components, self.cameras[number], predicted) / step**2
+        if self._simple and _plain(painted.patches, least):
+            return self._plain_blobs(painted, frame, number)
         mask = (painted.classes >= BARE).view(np.uint8)
         seen = segments(mask, least, p.components.merge_fragments)
         if seen.count == 0:
             return Detections.none()
         labels = self._cluster(seen)
-        fit = enlarged(moments(seen.points, labels, int(labels.max()) + 1), step)
-        fit = self.errors.applied(fit, frame, number)
-        covariances = np.broadcast_to(p.centre_sd_px**2 * np.eye(2), (len(fit), 2, 2))
+        fit = moments(seen.points, labels, int(labels.max()) + 1)
+        return self._detections(enlarged(fit, step), frame, number)
+
+    def _plain_blobs(self, painted: PaintedView, frame: int, number: int) -> Detections:
+        """Blobs of a picture in which each target is a component: without looking for them."""
+        step, rows = painted.step_px, []
+        for target, patch in enumerate(painted.patches):
+            assert patch is not None
+            rows.append((patch.x, patch.y, patch.xx, patch.xy, patch.yy, patch.pixels, target))
+        table = np.array(sorted(rows, key=lambda row: row[1]))
+        covariances = np.empty((T, 2, 2))
+        covariances[:, 0, 0] = table[:, 2] + 1 / 12
+        covariances[:, 0, 1] = covariances[:, 1, 0] = table[:, 3]
+        covariances[:, 1, 1] = table[:, 4] + 1 / 12
+        return self._detections(
+            enlarged(Moments(table[:, :2], covariances, table[:, 5]), step), frame, number
+        )
+
+    def _detections(self, exact: Moments, frame: int, number: int) -> Detections:
+        fit = self.errors.applied(exact, frame, number)
+        covariances = self._centre_covariances[: len(fit)]
+        if len(covariances) < len(fit):
+            covariances = np.broadcast_to(covariances[0], (len(fit), 2, 2))
         return Detections(fit.centres, covariances, ellipse_axes(fit), fit.areas)
 
     def _cluster(self, seen: Segments) -> Ints:
         if seen.count == _APART and self._all_pixels.components_compete:
             return seen.component
         return cluster(seen, self._all_pixels)
+
+
+def _plain(patches: Patches, least: float) -> bool:
+    """Whether each target is a component of its own, large enough, and far from the others."""
+    boxes = []
+    for patch in patches:
+        if patch is None or patch.pieces != 1 or patch.pixels < least:
+            return False
+        boxes.append(patch.box)
+    return all(apart(a, b, 1) for a, b in combinations(boxes, 2))
 
 
 def enlarged(fit: Moments, step: int) -> Moments:

@@ -120,3 +120,60 @@ def test_other_faults_come_out_as_they_are_after_the_frames_before_them():
     assert len([next(steps), next(steps)]) == 2
     with pytest.raises(BenchError, match=r"^left/2.png: the picture is 3x2 px$"):
         next(steps)
+
+
+class Counter:
+    """A smoother whose state is the number of frames since it began."""
+
+    def start(self, seen):
+        return 0 if len(seen[0]) else None
+
+    def step(self, state, seen, dt_s):
+        return state + 1, self.estimates(state + 1)
+
+    def estimates(self, state):
+        return self.smoothed((state,))
+
+    def predict(self, state, dt_s):
+        return self.estimates(state)
+
+    def smoothed(self, states):
+        """Position: first state, last state, how many."""
+        place = np.tile([float(states[0]), float(states[-1]), float(len(states))], (3, 1))
+        return Estimates(place, np.zeros((3, 3, 3)), np.zeros((3, 3)), ("tracked",) * 3)
+
+
+def test_with_a_lag_a_frame_comes_later_and_knows_the_frames_between():
+    taken = []
+
+    def counted():
+        for frame in frames():
+            taken.append(frame.index)
+            yield frame
+
+    steps = follow(counted(), Points(first=1), Counter(), lag=2)
+    first = next(steps)
+    assert (first.frame.index, taken) == (0, [0, 1, 2])
+    assert first.estimates.status[0] == "waiting"
+    rest = list(steps)
+    assert [step.frame.index for step in rest] == [1, 2, 3, 4]
+    known = [step.estimates.positions_m[0].tolist() for step in rest]
+    assert known == [[0, 2, 3], [1, 3, 3], [2, 3, 2], [3, 3, 1]]
+    plain = list(follow(frames(), Points(first=1), Counter()))
+    assert [step.dt_s for step in plain] == [step.dt_s for step in [first, *rest]]
+
+
+def test_frames_held_for_a_lag_come_out_before_a_fault():
+    def damaged():
+        yield from frames(TIMES_S[:3])
+        raise BenchError("left/3.png: the picture is 3x2 px")
+
+    steps = follow(damaged(), Points(), Counter(), lag=2)
+    assert [next(steps).frame.index for _ in range(3)] == [0, 1, 2]
+    with pytest.raises(BenchError, match="the picture is 3x2 px"):
+        next(steps)
+
+
+def test_a_lag_needs_a_tracker_that_looks_back():
+    with pytest.raises(ValueError, match="needs a tracker that is a Smoother"):
+        next(follow(frames(), Points(), make_tracker("thesis", CAMERAS, {}), lag=1))

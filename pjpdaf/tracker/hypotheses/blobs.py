@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from pjpdaf.arrays import Floats
 from pjpdaf.interfaces import Detections
 from pjpdaf.looks import BlobLooks, looks_of_ellipses
+
+MOST_BLOBS = 40
 
 
 @dataclass(frozen=True, eq=False)
 class Blobs:
     """Detections of one view with their looks, of the ellipses where the detector gives none.
+
+    At most MOST_BLOBS, the largest, so that a frame's cost is bounded.
 
     centres_px (n, 2); areas_px (n,); ellipses (n, 5); evidence (n, T) or None; missing: no picture.
     """
@@ -26,9 +32,14 @@ class Blobs:
     @staticmethod
     def of(view: Detections) -> Blobs:
         """Take what the tracker uses of a view's detections."""
-        looks = view.looks if view.looks is not None else looks_of_ellipses(view.ellipses)
+        kept = np.arange(len(view))
+        if len(view) > MOST_BLOBS:
+            kept = np.sort(np.argsort(-view.areas_px, kind="stable")[:MOST_BLOBS])
+        ellipses = view.ellipses[kept]
+        looks = view.looks.of(kept) if view.looks is not None else looks_of_ellipses(ellipses)
+        evidence = None if view.evidence is None else view.evidence[kept]
         return Blobs(
-            view.centres_px, view.areas_px, view.ellipses, looks, view.evidence, view.missing
+            view.centres_px[kept], view.areas_px[kept], ellipses, looks, evidence, view.missing
         )
 
     def __len__(self) -> int:

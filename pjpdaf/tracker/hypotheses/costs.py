@@ -26,6 +26,8 @@ HANDLIKE_COST = 2.0, 3.0  # of the area, of the pair: a blob below both should b
 SINGLE_AREA_COST = 4.0  # the same of a blob that one view shows
 LONGEST_FINGERS = 0.3
 FORWARD_MOST = 4.0
+MOST_PAIRS = 100  # ordinary frames have fewer than 20
+FAST_M, FAR_COST_MOST = 0.32, 6.0  # distance of a fast movement, in the choice of pairs
 
 
 def area_cost(pairs: Pairs, hand_area_m2: float, c: CostParameters) -> Floats:
@@ -36,6 +38,20 @@ def area_cost(pairs: Pairs, hand_area_m2: float, c: CostParameters) -> Floats:
     cost = np.where((pairs.part >= END).any(axis=1), c.end, cost)
     half = ((pairs.part == HALF) | (pairs.part == OTHER_HALF)).any(axis=1)
     return np.asarray(cost + np.where(half, 0.5 * c.split, 0.0))
+
+
+def likeliest(pairs: Pairs, expected_m: Floats, hand_area_m2: float, c: CostParameters) -> Pairs:
+    """The MOST_PAIRS pairs of least cost, so that a frame's cost is bounded however many there are.
+
+    expected_m (h, 3): where hands are expected; the distance from the nearest counts, but a hand
+    that comes back far away stays possible.
+    """
+    if len(pairs) <= MOST_PAIRS:
+        return pairs
+    away_m = np.linalg.norm(pairs.points_m[:, None] - expected_m[None], axis=2).min(axis=1)
+    far = np.minimum(0.5 * (away_m / FAST_M) ** 2, FAR_COST_MOST)
+    cost = pairs.cost + area_cost(pairs, hand_area_m2, c) + far
+    return pairs[np.sort(np.argsort(cost, kind="stable")[:MOST_PAIRS])]
 
 
 def piece_cost(pairs: Pairs, head_m: Floats, axes: Floats, c: CostParameters) -> Floats:
@@ -101,23 +117,36 @@ def joint_cost(
     heads = [place.blob if place is not None else -1 for place in places]
     for left, right in {(int(a), int(b)) for a, b in pairs.blob[plain]}:
         if left != heads[0] and right != heads[1]:
-            joint += c.unexplained * _unused(pairs, left, right, face=False)
+            joint += c.unexplained * _unexplained(pairs, left, right)
     single = ((pairs.part == WHOLE) | (pairs.part == -1)).all(axis=1)
     single &= (pairs.blob < 0).any(axis=1)
     single &= area_cost(pairs, hand_area_m2, c) < SINGLE_AREA_COST
     for left, right in {(int(a), int(b)) for a, b in pairs.blob[single]}:
-        joint += c.unexplained_single * _unused(pairs, left, right, face=False)
+        joint += c.unexplained_single * _unexplained(pairs, left, right)
     beside = (pairs.part == BESIDE).all(axis=1)
     for left, right in {(int(a), int(b)) for a, b in pairs.blob[beside]}:
-        joint += 0.5 * c.unexplained * _unused(pairs, left, right, face=True)
+        joint += 0.5 * c.unexplained * _unused_at_face(pairs, left, right)
     return joint
 
 
-def _unused(pairs: Pairs, left: int, right: int, face: bool) -> Floats:
-    """1 where neither choice uses these blobs, (n + 2, n + 2); face: 'at the face' uses them."""
-    used = (pairs.blob[:, 0] == left) & (left >= 0)
-    used |= (pairs.blob[:, 1] == right) & (right >= 0)
-    uses = np.concatenate([used, [face, False]])
+def _unexplained(pairs: Pairs, left: int, right: int) -> Floats:
+    """1 where the two choices leave one of these blobs unused, (n + 2, n + 2).
+
+    Each view by itself: a false pair of one thing's left blob and another's right explains neither.
+    """
+    unused = np.zeros((len(pairs) + 2, len(pairs) + 2), bool)
+    for view, blob in enumerate((left, right)):
+        if blob < 0:  # this view does not show it
+            continue
+        uses = np.concatenate([pairs.blob[:, view] == blob, [False, False]])
+        unused |= ~(uses[:, None] | uses[None, :])
+    return unused.astype(np.float64)
+
+
+def _unused_at_face(pairs: Pairs, left: int, right: int) -> Floats:
+    """1 where neither choice uses a piece beside the head, (n + 2, n + 2); 'at the face' does."""
+    used = (pairs.blob[:, 0] == left) | (pairs.blob[:, 1] == right)
+    uses = np.concatenate([used, [True, False]])
     return np.asarray(~(uses[:, None] | uses[None, :]), dtype=np.float64)
 
 

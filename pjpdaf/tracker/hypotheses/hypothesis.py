@@ -25,7 +25,8 @@ class Hypothesis:
     """One account of which hand is where.
 
     cost: negative log-odds of motion and looks; evidence: of the sleeves, which fades; means (2, 3)
-    [m] right, left; covariances (2, 3, 3) [m^2]; unseen_s (2,).
+    [m] right, left; covariances (2, 3, 3) [m^2]; unseen_s (2,); parent: index of the hypothesis of
+    the frame before that it comes from.
     """
 
     cost: float
@@ -33,6 +34,7 @@ class Hypothesis:
     means: Floats
     covariances: Floats
     unseen_s: Floats
+    parent: int = 0
 
     @property
     def total(self) -> float:
@@ -124,7 +126,8 @@ def grow(
         covariances = np.array([hand[1] for hand in hands])
         unseen = np.array([hand[2] for hand in hands])
         evidence = float(kept[k] + sleeve[right, left])
-        grown.append(Hypothesis(float(base[k, right, left]), evidence, means, covariances, unseen))
+        cost = float(base[k, right, left])
+        grown.append(Hypothesis(cost, evidence, means, covariances, unseen, parent=k))
         if len(grown) == p.hypotheses:
             break
     least_cost, least_evidence = min(h.cost for h in grown), min(h.evidence for h in grown)

@@ -223,9 +223,12 @@ class HypothesisParameters:
     hypotheses: int = 5
     # The estimate is the mean of the hypotheses within this of the best [log-odds].
     mean_within: float = 2.0
+    # With a lag: how much the costs of later frames count for an earlier one [1]. They are no
+    # independent evidence, and hands that roll round each other move by less than they seem to.
+    later_share: float = 0.1
     # A target that is unseen for this time is lost [s].
     lost_after_s: float = 1.0
 
     def __post_init__(self) -> None:
         check_above_zero(OWNER, self, "hypotheses", "lost_after_s")
-        check_not_negative(OWNER, self, "mean_within")
+        check_not_negative(OWNER, self, "mean_within", "later_share")

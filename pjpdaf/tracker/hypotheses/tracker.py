@@ -17,6 +17,7 @@ from pjpdaf.tracker.hypotheses.costs import (
     area_cost,
     end_cost,
     joint_cost,
+    likeliest,
     piece_cost,
     side_evidence,
 )
@@ -30,6 +31,7 @@ from pjpdaf.tracker.hypotheses.hypothesis import (
     grow,
     nearest_choices,
 )
+from pjpdaf.tracker.hypotheses.lag import Past, look_back
 from pjpdaf.tracker.hypotheses.motion import spread
 from pjpdaf.tracker.hypotheses.opening import open_tracks
 from pjpdaf.tracker.hypotheses.pairs import Pairs, pair_candidates
@@ -53,7 +55,8 @@ class HypothesisState:
     """All that changes from frame to frame.
 
     hypotheses: from the likeliest; estimates: the latest; hand_area_m2: of a whole hand, learnt;
-    longest_m: mean length of the longer hand's blob, which tells bare forearms.
+    longest_m: mean length of the longer hand's blob, which tells bare forearms; dt_s: time since
+    the state before.
     """
 
     head: HeadTrack
@@ -61,6 +64,7 @@ class HypothesisState:
     estimates: Estimates
     hand_area_m2: float
     longest_m: float
+    dt_s: float = 0.0
 
 
 @final
@@ -171,6 +175,7 @@ class HypothesisTracker:
             estimates,
             _learnt_area(state.hand_area_m2, pairs, list(chosen), p),
             self._longest(state, seen, places, dt_s),
+            dt_s,
         )
         return after, estimates
 
@@ -180,6 +185,11 @@ class HypothesisTracker:
         if reach == 0:
             return np.zeros((1, 3))
         return np.asarray(reach * np.array(FACE_PLACES) @ self.views.axes[:2])
+
+    def smoothed(self, states: tuple[HypothesisState, ...], /) -> Estimates:
+        """Return the estimates of the first state in the knowledge of the later ones."""
+        past = [Past(s.head, s.hypotheses, s.dt_s) for s in states]
+        return look_back(past, states[0].estimates, self.views, self.parameters)
 
     def _pairs(
         self,
@@ -207,7 +217,8 @@ class HypothesisTracker:
         extra = piece_cost(pairs, head.mean, self.views.axes, p.costs)
         if bare:
             extra = extra + end_cost(pairs, self.views.axes, p.costs)
-        return replace(pairs, cost=pairs.cost + extra)
+        pairs = replace(pairs, cost=pairs.cost + extra)
+        return likeliest(pairs, expected, state.hand_area_m2, p.costs)
 
     def _longest(
         self,

@@ -11,10 +11,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from pjpdaf.errors import FileError
+from sim.parquet import TooLarge, read_bounded
 
-MAX_JSON_BYTES = 256 << 20
-MAX_ROWS = 10_000_000
-MAX_TABLE_BYTES = 8 << 30  # unpacked
+MAX_JSON_BYTES = 64 << 20
 
 
 def check_inside(folder: Path, path: Path) -> None:
@@ -56,18 +55,14 @@ def read_table(
     """
     try:
         with pq.ParquetFile(path) as file:
-            metadata = file.metadata
-            groups = [metadata.row_group(i).total_byte_size for i in range(metadata.num_row_groups)]
-            if metadata.num_rows > MAX_ROWS or sum(groups) > MAX_TABLE_BYTES:
-                raise FileError(
-                    path, f"has more than {MAX_ROWS} rows or {MAX_TABLE_BYTES >> 30} GiB"
-                )
             missing = set(schema.names) - set(file.schema_arrow.names)
             if missing:
                 raise FileError(path, f"lacks the columns {', '.join(sorted(missing))}")
-            if rows is not None and metadata.num_rows != rows:
-                raise FileError(path, f"must have {wanted}, has {metadata.num_rows}")
-            return file.read(columns=schema.names).select(schema.names).cast(schema)
+            if rows is not None and file.metadata.num_rows != rows:
+                raise FileError(path, f"must have {wanted}, has {file.metadata.num_rows}")
+        return read_bounded(path, schema.names).cast(schema)
+    except TooLarge as fault:
+        raise FileError(path, str(fault)) from None
     except FileNotFoundError as fault:
         raise FileError(path, "is missing") from fault
     except (OSError, KeyError, ValueError, pa.ArrowException) as fault:

@@ -2,6 +2,7 @@
 
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -54,8 +55,7 @@ class Tracker:
 
 
 def changed(estimates, **values):
-    names = ("positions_m", "covariances_m2", "velocities_mps", "status")
-    return Estimates(**{name: values.get(name, getattr(estimates, name)) for name in names})
+    return replace(estimates, **values)
 
 
 class Raises(Tracker):
@@ -199,6 +199,20 @@ class StartsOddly(Tracker):
         return super().start(seen) if len(seen[0]) else 42
 
 
+class LooksBackWrongly(Tracker):
+    """Of one state alone it gives other estimates than those of the state."""
+
+    def smoothed(self, states):
+        estimates = self.estimates(states[0])
+        return changed(estimates, positions_m=estimates.positions_m + 0.01)
+
+
+class TooSure(Tracker):
+    def step(self, state, seen, dt_s):
+        after, estimates = super().step(state, seen, dt_s)
+        return after, changed(estimates, exchange_probability=1.5)
+
+
 class AssociatesAlone(Tracker):
     def step_associated(self, state, seen, known, dt_s):
         return self.inner.step_associated(state, seen, known, dt_s)[1]
@@ -236,6 +250,8 @@ class NoPredict:
         (SwappedAtFirst, "wrong order of targets: row 0 must be the head, follows the left_hand"),
         (RaisesUnspeakable, "step: raises Unspeakable (test_conformance.py:"),
         (StartsOddly, "estimates, started without detections: raises AttributeError"),
+        (LooksBackWrongly, "smoothed(one state): differs from the estimates of this state"),
+        (TooSure, "step: raises ValueError: Estimates.exchange_probability must be from 0 to 1"),
         (Random, "two trackers of the same factory: differ"),
         (AssociatesAlone, "step_associated: must return (state, Estimates)"),
         (ExpectsNothing, "step after expecting: raises AttributeError"),

@@ -14,6 +14,9 @@ def test_an_episode_is_played_again_as_it_was():
     assert replay_command(of_default, "fps_ladder@5", 3) == (
         "pjpdaf-bench run core --only fps_ladder@5 --first-seed 3 --seeds 1 --set noise_sd=5"
     )
+    assert replay_command({**of_default, "lag_frames": 3}, "cross", 3).endswith(
+        "--lag 3 --set noise_sd=5"
+    )
     meta |= {"preset": "thesis-literal", "detector": "thesis-literal", "tracker": "thesis-literal"}
     meta["request"] = {**request, "targets": ["my suite.yaml"], "settings": []}
     assert replay_command(meta, "drink+dim", 0) == (

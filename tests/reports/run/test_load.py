@@ -193,7 +193,7 @@ def test_a_row_that_cannot_be_is_named(run, name, change, message):
 
 
 def test_a_table_of_too_many_cells_is_refused_before_it_is_unpacked(run, monkeypatch):
-    monkeypatch.setattr("reports.run.bounded_table.MAX_CELLS", 200_000)
+    monkeypatch.setattr("sim.parquet.MAX_CELLS", 200_000)
     path = run / "events.parquet"
     schema = pq.read_schema(path)
     constant = {"string": "x", "int64": 0, "double": 0.0, "bool": False}
@@ -206,11 +206,11 @@ def test_a_table_of_too_many_cells_is_refused_before_it_is_unpacked(run, monkeyp
 
 
 def test_long_texts_repeated_are_refused_before_they_are_unpacked(run, monkeypatch):
-    monkeypatch.setattr("reports.run.bounded_table.MAX_TEXT_BYTES", 8 << 20)
+    monkeypatch.setattr("sim.parquet.MAX_TEXT_BYTES", 8 << 20)
     long = "x" * 100_000
     rewritten(run, "detections", lambda rows: [{**row, "scenario": long} for row in rows[:100]])
     assert (run / "detections.parquet").stat().st_size < 1_000_000
-    with pytest.raises(BenchError, match="'scenario' has more than 8 MiB"):
+    with pytest.raises(BenchError, match="has more than 8 MiB in column 'scenario'"):
         load(run)
 
 

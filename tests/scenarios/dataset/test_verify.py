@@ -6,6 +6,7 @@ import shutil
 import pytest
 
 from pjpdaf.errors import BenchError
+from scenarios.dataset.check_recipes import recipe_faults
 from scenarios.dataset.rays import compare_with_rays
 from scenarios.dataset.verify import VerifyRequest, verify_dataset
 from scenarios.play.job import Job, System
@@ -83,6 +84,40 @@ def test_a_recipe_that_cannot_be_made_is_said(copy):
     cast = compare_with_rays(copy, 1)
     assert cast.figures is None
     assert "digest" in cast.refused[0]
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (lambda r: r["scenario"].update(summary="Mine."), "its scenario is not the one"),
+        (lambda r: r["overrides"].update(frames=6), "its digest is not that"),
+        (lambda r: r["scenario"]["parameters"]["exposure"].update(unit=["EV"]), "exposure.numeric"),
+        (lambda r: r.update(label=["cross"]), "label must be a text"),
+        (lambda r: r["settings"].update(labels=[["seg"]]), "settings must have labels"),
+        (lambda r: r.update(files=["x"]), "files must be names and digests"),
+    ],
+)
+def test_an_edited_recipe_is_a_fault_though_nothing_is_compared_with_rays(copy, change, text):
+    path = copy / SEQ / "recipe.json"
+    record = json.loads(path.read_text())
+    change(record)
+    path.write_text(json.dumps(record))
+    (fault,) = recipe_faults(copy)
+    assert fault.file == f"{SEQ}/recipe.json"
+    assert text in fault.text
+    assert recipe_faults(copy, {fault.file}) == []
+
+
+def test_a_recipe_of_another_version_is_not_judged(copy, capsys):
+    path = copy / SEQ / "recipe.json"
+    record = json.loads(path.read_text())
+    record["scenario"]["summary"] = "Mine."
+    path.write_text(json.dumps(record))
+    assert verify_dataset(VerifyRequest(copy, sums=False, rays=0)) == 1
+    assert "was edited" in capsys.readouterr().out
+    record["made_with"] = {"versions": {"pjpdaf-bench": "0.0.1"}}
+    path.write_text(json.dumps(record))
+    assert recipe_faults(copy) == []
 
 
 def test_no_data_set_and_wrong_numbers_are_refused(tmp_path, made):

@@ -28,7 +28,7 @@ FRAMES = 12
 LENS = (-0.12, 0.04, 0.0005, -0.0004, 0.0)
 HEADER = (
     "frame,time_s,target,x_m,y_m,z_m,status,u_left_px,v_left_px,u_right_px,v_right_px,"
-    "sd_x_m,sd_y_m,sd_z_m"
+    "sd_x_m,sd_y_m,sd_z_m,exchange_probability"
 )
 
 
@@ -314,6 +314,8 @@ FAULTS = [
     ({"set": "speed=3"}, ("speed", "detector.NAME")),
     ({"preset": "thesis", "set": "tracker.p_detekt=1"}, ("p_detekt", "p_detect")),
     ({"fps": 0}, ("--fps",)),
+    ({"preset": "thesis", "lag": 2}, ("--lag 2", "'thesis' does not look back")),
+    ({"lag": -1}, ("--lag", "from 0 to 60 frames, got -1")),
     ({"unit": "miles"}, ("--unit", "miles")),
     ({"skin_sample": "nowhere.png"}, ("nowhere.png",)),
     ({"skin_sample": "text.yml"}, ("text.yml", "cannot be read")),

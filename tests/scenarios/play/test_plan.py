@@ -65,6 +65,8 @@ def test_pictures_are_of_the_first_seed_and_films_of_all():
         ({"settings": ("tracker.gat=4",)}, "gat"),
         ({"tracker": "nobody"}, "nobody"),
         ({"detector": "nobody"}, "nobody"),
+        ({"lag": 61}, "--lag must be from 0 to 60 frames, got 61"),
+        ({"lag": 2, "tracker": "thesis"}, "--lag 2: the tracker 'thesis' does not look back"),
     ],
 )
 def test_a_fault_of_the_request_is_one_line(changes, message):

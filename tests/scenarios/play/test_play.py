@@ -98,3 +98,14 @@ def test_every_frame_is_handed_over_with_its_own_truth():
 def test_a_job_may_have_smaller_pictures(bare):
     assert [(c.width_px, c.height_px) for c in bare.cameras] == [(160, 120)] * 2
     assert digest_of(replace(JOB, size_px=None)) != digest_of(JOB)
+
+
+def test_with_a_lag_the_last_frame_is_as_without_and_the_detections_all_are(bare):
+    late = play(replace(JOB, system=System(lag=2)))
+    assert [o.truth.index for o in late.frames] == [o.truth.index for o in bare.frames]
+    for one, other in zip(bare.frames, late.frames, strict=True):
+        np.testing.assert_array_equal(one.truth.centres_m, other.truth.centres_m)
+        for mine, theirs in zip(one.detections, other.detections, strict=True):
+            np.testing.assert_array_equal(mine.centres_px, theirs.centres_px)
+    last, again = bare.frames[-1].estimates, late.frames[-1].estimates
+    np.testing.assert_array_equal(last.positions_m, again.positions_m)

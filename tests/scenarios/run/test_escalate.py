@@ -1,6 +1,7 @@
 """Escalation on real, small runs: the reserve is played, joined and judged."""
 
 import json
+import sys
 from dataclasses import replace
 
 import pytest
@@ -147,6 +148,19 @@ def test_what_cannot_be_continued_says_how_to_do_it_by_hand(runs):
     with pytest.raises(CannotEscalate, match="have changed") as caught:
         planned_jobs(replace(runs[0], meta={**runs[0].meta, "scenarios": other}))
     assert caught.value.exit_code == 3
+
+
+def test_only_plug_ins_that_the_command_line_names_are_imported(runs, tmp_path, monkeypatch):
+    (tmp_path / "theirs.py").write_text("raise SystemExit('imported')\n")
+    monkeypatch.chdir(tmp_path)
+    meta = {**runs[0].meta, "tracker": "theirs:make", "preset": "default; ls"}
+    strange = replace(runs[0], meta=meta)
+    with pytest.raises(CannotEscalate, match="--plug-in theirs:make") as caught:
+        planned_jobs(strange)
+    assert "--preset 'default; ls'" in str(caught.value)
+    assert "theirs" not in sys.modules
+    with pytest.raises(CannotEscalate, match="SystemExit: imported"):
+        planned_jobs(strange, ("theirs:make",))
 
 
 def test_the_digests_of_the_reserve_do_not_depend_on_the_system(runs):

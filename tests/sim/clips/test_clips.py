@@ -7,6 +7,7 @@ from __future__ import annotations
 import io
 import json
 import pickle
+import time
 import zipfile
 from itertools import pairwise
 
@@ -361,3 +362,14 @@ def test_speeds_are_steps_over_time():
     clip = clip_of("clip", t, PLAIN, xyz)
     slow = [np.linalg.norm(b - a) * HZ for a, b in pairwise(xyz[:, 1])]
     np.testing.assert_allclose(clip.speeds("left_hand"), slow)
+
+
+def test_a_csv_of_sixty_thousand_columns_is_refused_at_once(tmp_path):
+    names = ["t", *(f"{j}_{a}" for j in ("head", "lhand", "rhand") for a in "xyz")]
+    names += [f"column{k}" for k in range(60_000)]
+    file = tmp_path / "wide.csv"
+    file.write_text(",".join(names) + "\n" + ",".join("0" * len(names)) + "\n")
+    start = time.process_time()
+    with pytest.raises(BenchError, match=r"wide\.csv:1: has more than 10000 columns"):
+        load_clip(file)
+    assert time.process_time() - start < 5.0  # comparing each with each took minutes

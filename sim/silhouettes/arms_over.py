@@ -1,0 +1,161 @@
+"""Closed-form arms over time: `sim.person.kinematics.solve_arm` for F moments at once."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from pjpdaf.arrays import Floats
+from sim.anatomy import Anatomy
+from sim.person.kinematics import (
+    FARTHEST_BACK,
+    MAX_SWIVEL_RAD,
+    MAX_WRIST_BEND_RAD,
+    OUTWARD,
+    reach_limits,
+)
+
+_BEND_LIMIT_RAD = MAX_WRIST_BEND_RAD + 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class ArmsOver:
+    """An arm over F moments: joints (F, 3) [m], hand (F, 3, 3) -> world."""
+
+    shoulder_m: Floats
+    elbow_m: Floats
+    wrist_m: Floats
+    palm_m: Floats
+    hand: Floats
+
+
+def arms_over(
+    anatomy: Anatomy,
+    side: int,
+    shoulder_m: Floats,
+    palm_m: Floats,
+    hand: Floats,
+    swivel_rad: Floats,
+    elbow_above_m: Floats,
+    forward: Floats,
+) -> ArmsOver:
+    """The arms whose palms are at palm_m (F, 3); arguments as of `solve_arm`, with F in front."""
+    hand = hand.copy()
+    wrist, elbow = _elbow(
+        anatomy, side, shoulder_m, palm_m, hand, swivel_rad, elbow_above_m, forward
+    )
+    for _ in range(5):
+        fore = (wrist - elbow) / anatomy.forearm_m
+        bend = np.arccos(np.clip((fore * hand[:, :, 0]).sum(axis=1), -1.0, 1.0))
+        far = np.flatnonzero(bend > _BEND_LIMIT_RAD)
+        if not len(far):
+            break
+        axis = np.cross(hand[far, :, 0], fore[far])
+        axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+        hand[far] = _about(axis, bend[far] - MAX_WRIST_BEND_RAD) @ hand[far]
+        wrist[far], elbow[far] = _elbow(
+            anatomy,
+            side,
+            shoulder_m[far],
+            palm_m[far],
+            hand[far],
+            swivel_rad[far],
+            elbow_above_m[far],
+            forward[far],
+        )
+    return ArmsOver(shoulder_m, elbow, wrist, wrist + anatomy.wrist_to_palm_m * hand[:, :, 0], hand)
+
+
+def _elbow(
+    anatomy: Anatomy,
+    side: int,
+    shoulder_m: Floats,
+    palm_m: Floats,
+    hand: Floats,
+    swivel_rad: Floats,
+    elbow_above_m: Floats,
+    forward: Floats,
+) -> tuple[Floats, Floats]:
+    """Wrists within reach, and elbows, (F, 3) each."""
+    a, b = anatomy.upper_arm_m, anatomy.forearm_m
+    offset = palm_m - anatomy.wrist_to_palm_m * hand[:, :, 0] - shoulder_m
+    distance = np.sqrt((offset * offset).sum(axis=1))
+    none = distance < 1e-9
+    offset[none], distance[none] = (1.0, 0.0, 0.0), 1.0
+    wrist = shoulder_m + offset * (np.clip(distance, *reach_limits(a, b)) / distance)[:, None]
+    offset = wrist - shoulder_m
+    d = np.sqrt((offset * offset).sum(axis=1))
+    axis = offset / d[:, None]
+    along = (d * d + a * a - b * b) / (2.0 * d)
+    radius = np.sqrt(np.maximum(a * a - along * along, 0.0))
+    down = _hanging(side, axis)
+    down = down - (down * axis).sum(axis=1)[:, None] * axis
+    flat = np.sqrt((down * down).sum(axis=1)) < 1e-3
+    down[flat] = np.cross(axis[flat], [0.0, 1.0, 0.0])
+    down /= np.sqrt((down * down).sum(axis=1))[:, None]
+    outward = OUTWARD[side] * _cross(axis, down)
+    centre = shoulder_m + along[:, None] * axis
+    up = np.array([0.0, 0.0, 1.0])
+    behind = (shoulder_m * forward).sum(axis=1) - a * FARTHEST_BACK
+    swivel = np.maximum(swivel_rad, _least_swivel(centre, radius, down, outward, up, elbow_above_m))
+    swivel = np.maximum(swivel, _least_swivel(centre, radius, down, outward, forward, behind))
+    turned = np.cos(swivel)[:, None] * down + np.sin(swivel)[:, None] * outward
+    return wrist, centre + radius[:, None] * turned
+
+
+def _least_swivel(
+    centre: Floats, radius: Floats, down: Floats, outward: Floats, way: Floats, level: Floats
+) -> Floats:
+    """`ElbowCircle.least_swivel_towards` (F,)."""
+    a = radius * (down * way).sum(axis=1)
+    b = radius * (outward * way).sum(axis=1)
+    need = level - (centre * way).sum(axis=1)
+    size = np.hypot(a, b)
+    phase = np.arctan2(b, a) % (2.0 * math.pi)
+    share = np.clip(need / np.maximum(size, 1e-300), -1.0, 1.0)
+    crossing = np.where(need < size, phase - np.arccos(share), phase)
+    return np.where(a >= need, 0.0, np.clip(crossing, 0.0, MAX_SWIVEL_RAD))
+
+
+def _hanging(side: int, axis: Floats) -> Floats:
+    x, z = axis[:, 0], axis[:, 2]
+    steep = np.maximum(0.0, np.abs(z) - 0.8) / 0.2
+    behind = _smooth((0.25 - x) / 0.5) * _smooth(z / 0.6)
+    still = 1.0 - behind
+    return np.stack(
+        [
+            still * np.copysign(steep, z) + 0.8 * behind,
+            0.6 * behind * OUTWARD[side],
+            still * (-1.0 + 0.7 * steep) + 0.2 * behind,
+        ],
+        axis=1,
+    )
+
+
+def _smooth(share: Floats) -> Floats:
+    s = np.clip(share, 0.0, 1.0)
+    return np.asarray(s * s * (3.0 - 2.0 * s))
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    """a x b of (F, 3) arrays."""
+    return np.stack(
+        [
+            a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1],
+            a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2],
+            a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0],
+        ],
+        axis=1,
+    )
+
+
+def _about(axis: Floats, angle: Floats) -> Floats:
+    """Rotations (F, 3, 3) about unit axes (F, 3) (Rodrigues)."""
+    c, s = np.cos(angle)[:, None, None], np.sin(angle)[:, None, None]
+    x, y, z = axis.T
+    zero = np.zeros_like(x)
+    skew = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
+    outer = axis[:, :, None] * axis[:, None, :]
+    return np.asarray(c * np.eye(3) + s * skew + (1.0 - c) * outer)

@@ -1,0 +1,100 @@
+"""Campaigns: faults of a request, and an identity that changes with whatever decides results."""
+
+from dataclasses import replace
+
+import pytest
+
+from pjpdaf.errors import BenchError
+from scenarios.execute.code_digest import code_digest, plug_in_digest
+from scenarios.stress.campaign import (
+    CampaignRequest,
+    default_folder,
+    families_of,
+    fidelity_of,
+    open_campaign,
+    spaces_of,
+)
+from scenarios.stress.families import FAMILIES
+
+CROSS = CampaignRequest("search", "cross")
+
+
+def test_families_by_name_and_all():
+    assert [f.name for f in families_of("drink, cross")] == ["drink", "cross"]
+    assert [f.name for f in families_of("all")] == list(FAMILIES)
+
+
+def test_options_go_to_the_families_that_have_the_parameter():
+    request = CampaignRequest(
+        "search",
+        "cross,drink",
+        settings=("front=left", "tracker.gate=4"),
+        ranges=("speed=0.45..0.5",),
+        also=("fps",),
+    )
+    cross, drink = spaces_of(request)
+    assert cross.fixed == {"front": "left"}
+    assert drink.fixed == {}
+    assert (cross.axis("speed").low, drink.axis("speed").high) == (0.45, 0.5)
+    assert "fps" in cross.names
+    assert "fps" in drink.names
+    assert request.system.tracker_settings == {"gate": "4"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        ({"target": "croos"}, "no family 'croos' to stress; did you mean cross?"),
+        ({"target": "cross,cross"}, "cross: named twice"),
+        ({"settings": ("speeed=1",)}, "cross has no parameter 'speeed' to vary; did you mean sp"),
+        ({"ranges": ("speed=0.4..0.2",)}, "speed: range is reversed: 0.4 is greater than 0.2"),
+        ({"ranges": ("speed=1..2 px",)}, "--range speed: must be in m/s"),
+        ({"ranges": ("speed",)}, "--range speed: must be NAME=LOW..HIGH"),
+        ({"also": ("frontt",)}, "did you mean front?"),
+        ({"time_limit_s": 0.0}, "--time-limit must be above 0 s"),
+        ({"seed": -1}, "--seed must be between 0"),
+        ({"tracker": "thesus"}, "thesus"),
+        ({"settings": ("tracker.gaet=4",), "tracker": "thesis"}, "gate"),
+        ({"detector": "m:f", "fidelity": "fast"}, "--fidelity fast: knows no error model"),
+    ],
+)
+def test_a_fault_is_a_line_before_anything_is_played(changes, line, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(BenchError) as fault, open_campaign(replace(CROSS, **changes)):
+        pass
+    assert line in str(fault.value)
+    assert "\n" not in str(fault.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_detector_of_the_users_is_played_in_full():
+    assert fidelity_of(CROSS) == "fast"
+    assert fidelity_of(replace(CROSS, detector="mine:make")) == "full"
+
+
+def test_the_folder_is_that_of_the_command(tmp_path, monkeypatch):
+    def folder(request):
+        return default_folder(request, request.identity())
+
+    same = replace(CROSS, jobs=3, time_limit_s=5.0)
+    assert folder(CROSS) == folder(same)
+    assert folder(CROSS).name.startswith("stress-cross-search-")
+    others = [
+        replace(CROSS, seed=1),
+        replace(CROSS, options={"budget": 7}),
+        replace(CROSS, tracker="thesis"),
+        replace(CROSS, settings=("speed=0.3",)),
+    ]
+    assert len({folder(request) for request in (CROSS, *others)}) == 5
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "my_own_tracker.py").write_text("make = None\n")
+    mine = replace(CROSS, tracker="my_own_tracker:make")
+    before = folder(mine)
+    (tmp_path / "my_own_tracker.py").write_text("make = 1\n")
+    assert folder(mine) != before
+
+
+def test_digests_of_code():
+    assert len(code_digest()) == 64
+    assert plug_in_digest("thesis") == ""
+    assert plug_in_digest("no_such_module_at_all:x") == ""
