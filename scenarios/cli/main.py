@@ -13,7 +13,7 @@ import typer
 
 from pjpdaf.errors import BenchError
 from pjpdaf.unforeseen import report_unforeseen
-from scenarios.cli import cache, dataset, doctor, footage, gate, plugin, run, scenarios
+from scenarios.cli import cache, dataset, doctor, footage, gate, plugin, run, scenarios, stress
 from scenarios.cli.streams import discard_output, surviving_readers
 
 DEBUG = "--debug"
@@ -41,6 +41,7 @@ for verb in (
 app.add_typer(scenarios.app, name="scenarios")
 app.add_typer(plugin.app, name="plugin")
 app.add_typer(dataset.app, name="dataset")
+app.add_typer(stress.app, name="stress")
 app.add_typer(cache.app, name="cache")
 
 

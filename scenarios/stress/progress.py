@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from rich.console import Console
 from rich.progress import Progress as Bar
@@ -16,7 +16,7 @@ from scenarios.stress.case import Trial, TrialResult
 
 @dataclass
 class Progress:
-    """Counts what is played. quarantined: trials without a result that are no fault of the draw."""
+    """Counts what is played. lost: by key, trials without a result through no fault of the draw."""
 
     bar: Bar
     task: TaskID
@@ -24,7 +24,12 @@ class Progress:
     runs: int = 0
     failures: int = 0
     best: float = float("inf")
-    quarantined: list[tuple[Trial, TrialResult]] | None = None
+    lost: dict[str, tuple[Trial, TrialResult]] = field(default_factory=dict)
+
+    @property
+    def quarantined(self) -> list[tuple[Trial, TrialResult]]:
+        """The trials without a result, in an order that no number of workers changes."""
+        return [self.lost[key] for key in sorted(self.lost)]
 
     def on_result(self, trial: Trial, result: TrialResult) -> None:
         """Count a trial, played or found in the journal."""
@@ -33,7 +38,7 @@ class Progress:
         if result.robustness is not None:
             self.best = min(self.best, result.robustness.worst)
         if result.failure is not None and result.failure.kind != "unposable":
-            self.quarantined = [*(self.quarantined or []), (trial, result)]
+            self.lost[trial.key] = trial, result
         self.show()
         self.bar.advance(self.task)
 

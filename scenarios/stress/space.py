@@ -16,6 +16,7 @@ from scipy.special import ndtr
 
 from pjpdaf.arrays import Floats
 from pjpdaf.errors import BenchError
+from scenarios.spec.draw import SETTINGS, setting_of
 from scenarios.spec.parameters.choice import Choice
 from scenarios.spec.parameters.distributions import LogUniform
 from scenarios.spec.parameters.numeric import Numeric
@@ -175,6 +176,8 @@ def _axis(family: StressFamily, name: str, narrowed: tuple[float, float] | None)
 
 
 def _checked(family: StressFamily, name: str, value: Value) -> Value:
+    if name in SETTINGS:
+        return setting_of(family.scenario, {name: value}, name)
     if name in family.scenario.parameters and not isinstance(value, int | float):
         # A file too: it is kept by its name, and read when the case is played.
         return family.scenario.parameters[name].check(name, value)

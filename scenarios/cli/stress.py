@@ -1,0 +1,224 @@
+"""The verbs of `stress`: search, shrink, replay, promote."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from pjpdaf.errors import BenchError
+from pjpdaf.presets.names import DEFAULT_PRESET
+from scenarios.cli.options import Jobs, PlugInName
+
+_VERBS = ("promote",)  # may also stand before the case
+
+
+class TargetFirst(TyperGroup):
+    """`stress FAMILY VERB`; `stress promote CASE` as well."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put the target first."""
+        if len(args) > 1 and args[0] in _VERBS and not args[1].startswith("-"):
+            args = [args[1], args[0], *args[2:]]
+        return super().parse_args(ctx, args)
+
+
+app = typer.Typer(
+    cls=TargetFirst,
+    no_args_is_help=True,
+    subcommand_metavar="VERB [OPTIONS]",
+    help="Hunt the cases in which a tracker fails: find, shrink, replay, keep them.",
+)
+
+Preset = Annotated[
+    str, typer.Option(help="Detector and tracker of this preset: default, thesis, thesis-literal.")
+]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Fix a scenario parameter, or change detector.NAME / tracker.NAME. Repeatable.",
+    ),
+]
+Also = Annotated[
+    list[str] | None,
+    typer.Option("--also", metavar="NAME", help="Let this parameter vary too, as fps. Repeatable."),
+]
+Ranges = Annotated[
+    list[str] | None,
+    typer.Option("--range", metavar="NAME=LOW..HIGH", help="Narrow a range. Repeatable."),
+]
+FidelityName = Annotated[
+    str | None,
+    typer.Option(help="fast: without pictures; full: rendered [fast; full for a detector plug-in]"),
+]
+Seed = Annotated[int, typer.Option(help="The seed of the whole campaign.")]
+StressOut = Annotated[
+    Path | None, typer.Option(help="Folder of the results [runs/stress-FAMILY-VERB-DIGEST].")
+]
+TimeLimit = Annotated[float, typer.Option(help="How long one episode may take [s].")]
+
+
+@app.callback()
+def _target(
+    ctx: typer.Context,
+    target: Annotated[
+        str,
+        typer.Argument(metavar="FAMILY[,FAMILY...]|all|CASE.yaml", help="What to stress."),
+    ],
+) -> None:
+    ctx.obj = target
+
+
+def fidelity_named(name: str | None) -> Any:
+    """fast, full or None. Raises BenchError."""
+    if name not in (None, "fast", "full"):
+        raise BenchError(f"--fidelity {name}: must be fast or full")
+    return name
+
+
+@app.command("search")
+def search(
+    ctx: typer.Context,
+    preset: Preset = DEFAULT_PRESET,
+    detector: PlugInName = None,
+    tracker: PlugInName = None,
+    against: Annotated[
+        str | None,
+        typer.Option(metavar="TRACKER", help="Only what this tracker does not fail counts."),
+    ] = None,
+    find: Annotated[
+        str, typer.Option(metavar="A,B", help="Of swap, head (a swap with it), lost; or all.")
+    ] = "all",
+    budget: Annotated[int, typer.Option(help="Runs a family at most, but for the last two.")] = 500,
+    distinct: Annotated[int, typer.Option(help="End with so many distinct failures.")] = 20,
+    patience: Annotated[int, typer.Option(help="End after so many runs without a new one.")] = 2000,
+    confirm: Annotated[int, typer.Option(help="Failures a family to render.")] = 8,
+    no_corpus: Annotated[
+        bool, typer.Option("--no-corpus", help="Do not begin with the corpus's cases.")
+    ] = False,
+    settings: Settings = None,
+    also: Also = None,
+    ranges: Ranges = None,
+    fidelity: FidelityName = None,
+    seed: Seed = 0,
+    jobs: Jobs = None,
+    out: StressOut = None,
+    time_limit: TimeLimit = 900.0,
+) -> None:
+    """Search for distinct failures, confirm them rendered, list them.
+
+    The same command goes on where it was interrupted.
+    """
+    from scenarios.stress.campaign import CampaignRequest
+    from scenarios.stress.search_verb import SearchRequest, search_verb
+
+    search_verb(
+        SearchRequest(
+            CampaignRequest(
+                "search",
+                ctx.obj,
+                detector or preset,
+                tracker or preset,
+                tuple(settings or ()),
+                tuple(also or ()),
+                tuple(ranges or ()),
+                fidelity_named(fidelity),
+                against,
+                seed,
+                jobs,
+                out,
+                time_limit,
+            ),
+            find,
+            budget,
+            distinct,
+            patience,
+            confirm,
+            not no_corpus,
+        )
+    )
+
+
+@app.command("shrink")
+def shrink(
+    ctx: typer.Context,
+    fresh: Annotated[int, typer.Option(help="Further noise seeds for the survival rates.")] = 100,
+    fidelity: FidelityName = None,
+    seed: Seed = 0,
+    jobs: Jobs = None,
+    out: StressOut = None,
+    time_limit: TimeLimit = 900.0,
+) -> None:
+    """Shrink CASE.yaml: fewest and smallest changes from nominal, fewest frames.
+
+    A form counts if it fails with 6 of 8 fresh noise seeds. Writes minimal.yaml and severe.yaml.
+    """
+    from scenarios.stress.campaign import CampaignRequest
+    from scenarios.stress.shrink_verb import ShrinkRequest, shrink_verb
+
+    campaign = CampaignRequest(
+        "shrink",
+        ctx.obj,
+        fidelity=fidelity_named(fidelity),
+        seed=seed,
+        jobs=jobs,
+        out=out,
+        time_limit_s=time_limit,
+    )
+    shrink_verb(ShrinkRequest(campaign, Path(ctx.obj), fresh))
+
+
+@app.command("replay")
+def replay(
+    ctx: typer.Context,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Of a FAMILY: a value that is not nominal; detector.NAME, tracker.NAME.",
+        ),
+    ] = None,
+    seed: Annotated[int | None, typer.Option(help="Another noise seed [the file's; 0].")] = None,
+    detector: PlugInName = None,
+    tracker: PlugInName = None,
+    fidelity: FidelityName = None,
+    film: Annotated[
+        Path | None, typer.Option(metavar="OUT.mp4", help="Film it, estimates and truth drawn in.")
+    ] = None,
+) -> None:
+    """Play a case again: CASE.yaml, or a FAMILY with values. The same case gives the same bytes."""
+    from scenarios.stress.replay import ReplayRequest, replay_verb
+
+    replay_verb(
+        ReplayRequest(
+            ctx.obj,
+            tuple(settings or ()),
+            seed,
+            detector,
+            tracker,
+            fidelity_named(fidelity) or "full",
+            film,
+        )
+    )
+
+
+@app.command("promote")
+def promote(
+    ctx: typer.Context,
+    name: Annotated[str | None, typer.Option(help="Its name in the corpus [the file's].")] = None,
+    corpus: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder of the corpus [the shipped one].")
+    ] = None,
+    fixed: Annotated[
+        bool, typer.Option("--fixed", help="Put it in as fixed: it must not fail any more.")
+    ] = False,
+) -> None:
+    """Put CASE.yaml into the corpus, if it fails when it is rendered."""
+    from scenarios.stress.replay import promote as put_in
+
+    typer.echo(f"corpus: {put_in(Path(ctx.obj), name, corpus, 'fixed' if fixed else 'open')}")

@@ -1,0 +1,204 @@
+"""The verbs on a single case: replay it, film it, put it into the corpus."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from rich.console import Console
+
+from pjpdaf.errors import BenchError
+from pjpdaf.follow import FollowedFrame
+from pjpdaf.presets.registry import PRESETS
+from pjpdaf.targets import TARGETS
+from reports.pictures.film import FilmWriter, film_suffix
+from reports.pictures.overlay import overlay_picture
+from scenarios.console.interrupts import unwritten_if_interrupted
+from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
+from scenarios.play.blame import blame
+from scenarios.play.fast import play_fast
+from scenarios.play.footage import open_footage
+from scenarios.play.job import System
+from scenarios.play.play import make_system, play_footage
+from scenarios.play.settings import read_settings
+from scenarios.spec.corpus_case import corpus_folder
+from scenarios.stress.case import Case, Fidelity, Trial, TrialResult
+from scenarios.stress.case_file import case_of, corpus_case, load_case, system_of, write_case
+from scenarios.stress.families import find_family
+from scenarios.stress.play_trial import result_of
+from scenarios.stress.search.table import EVENTS
+from scenarios.stress.space import Space
+from sim.files import written_whole_file
+from sim.motion.stage import Value
+from sim.truth import Truth
+
+
+@dataclass(frozen=True)
+class ReplayRequest:
+    """Which case to replay: a case file, or a family with values (the others are nominal).
+
+    tracker, detector: None: those of the file, of a family the preset `default`.
+    """
+
+    target: str
+    settings: tuple[str, ...] = ()
+    seed: int | None = None
+    detector: str | None = None
+    tracker: str | None = None
+    fidelity: Fidelity = "full"
+    film: Path | None = None
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """A case that was played again; expected: the measure that a file says fails, "" without."""
+
+    case: Case
+    system: System
+    fidelity: Fidelity
+    result: TrialResult
+    expected: str = ""
+
+
+def replay_verb(request: ReplayRequest) -> None:
+    """Play a case again and print what happens. Raises BenchError."""
+    out = Console()
+    replayed = replay(request)
+    result = replayed.result
+    assert result.robustness is not None
+    out.print(
+        f"{replayed.case.family} seed {replayed.case.seed}, {replayed.fidelity}, tracker "
+        f"{replayed.system.tracker}: {result.frames} frames at {result.fps:g} a second",
+        highlight=False,
+    )
+    for measure, rho in result.robustness.measures.items():
+        mark = "  fails" if rho < 0 else ""
+        out.print(f"  {EVENTS[measure]:<24} rho {rho:+.3f}{mark}", highlight=False)
+    for event in result.events:
+        stage = result.blame.get((event.kind, event.target, event.first))
+        fault = f", blame: {stage}" if stage else ""
+        out.print(
+            f"  {event.kind} of {TARGETS[event.target]}: frames {event.first} to {event.last}"
+            f"{fault}",
+            highlight=False,
+        )
+    if replayed.expected:
+        rho = result.robustness.measures[replayed.expected]
+        outcome = "fails as the file says" if rho < 0 else "does not fail any more"
+        out.print(f"{EVENTS[replayed.expected]}: {outcome}", highlight=False)
+    digest = hashlib.sha256(result.to_json()).hexdigest()
+    out.print(f"result: sha256 {digest}", highlight=False)
+    if request.film is not None:
+        out.print(f"film: {request.film}", highlight=False, soft_wrap=True)
+
+
+def replay(request: ReplayRequest) -> Replayed:
+    """Play a case again; writes the film. Raises BenchError, Unposable and what a plug-in raises.
+
+    The same case, system and fidelity give the same result, byte for byte.
+    """
+    case, system, expected = _case_and_system(request)
+    allow_plug_ins_from_here(system.detector, system.tracker)
+    try_plug_ins(system.detector, system.tracker)
+    if request.film is not None and request.fidelity == "fast":
+        raise BenchError("--film: the fast fidelity has no pictures; leave out --fidelity fast")
+    key = Trial(case, system, request.fidelity).key
+    if request.fidelity == "fast":
+        result = result_of(key, play_fast(case.job(system)))
+    else:
+        result = _rendered(case, system, key, request.film)
+    return Replayed(case, system, request.fidelity, result, expected)
+
+
+def promote(path: Path, name: str | None, folder: Path | None, status: str) -> Path:
+    """Play a case file in full and put it into a corpus; returns the new file.
+
+    name: None: the file's. Raises BenchError where it does not fail (or, for `fixed`, where it
+    does), and where the corpus has the same concrete scenario for the same tracker already.
+    """
+    record = load_case(path)
+    case, system = case_of(record), system_of(record)
+    replayed = replay(ReplayRequest(str(path)))
+    assert replayed.result.robustness is not None
+    measures = replayed.result.robustness.measures
+    fails = measures[record.event] < 0
+    if fails == (status == "fixed"):
+        outcome = "fails" if fails else "does not fail"
+        raise BenchError(
+            f"{path}: {EVENTS[record.event]} {outcome} with {record.tracker} when rendered (rho "
+            f"{measures[record.event]:+.2f}): not put into the corpus as {status}"
+        )
+    folder = folder or corpus_folder()
+    for other in sorted(folder.glob("*.yaml")):
+        kept = load_case(other)
+        if (kept.digest, kept.tracker) == (record.digest, record.tracker) and other != path:
+            raise BenchError(f"{path}: is in the corpus already: {other}")
+    new = corpus_case(
+        name or record.name, case, system, record.event, measures[record.event], status, record.note
+    )
+    target = folder / f"{new.name}.yaml"
+    folder.mkdir(parents=True, exist_ok=True)
+    write_case(target, new)
+    return target
+
+
+def case_from_settings(family_name: str, settings: Mapping[str, Value], seed: int) -> Case:
+    """A case of a family: nominal, but for some values. Raises BenchError."""
+    space = Space.of(find_family(family_name))
+    fixed = Space.of(space.family, (), settings).fixed
+    return Case(family_name, {**space.nominal(), **fixed}, seed)
+
+
+def _case_and_system(request: ReplayRequest) -> tuple[Case, System, str]:
+    settings = read_settings(request.settings)
+    system, expected = System(), ""
+    if request.target.endswith((".yaml", ".yml")):
+        if settings.scenario:
+            raise BenchError("--set: the values of a case are those of its file")
+        record = load_case(Path(request.target))
+        case, system, expected = case_of(record), system_of(record), record.event
+        case = case if request.seed is None else case.with_seed(request.seed)
+    else:
+        case = case_from_settings(request.target, settings.scenario, request.seed or 0)
+    # A preset's tracker brings its detector.
+    tracker = request.tracker or system.tracker
+    paired = request.tracker if request.tracker in PRESETS else None
+    return (
+        case,
+        System(
+            request.detector or paired or system.detector,
+            tracker,
+            settings.detector or system.detector_settings,
+            settings.tracker or system.tracker_settings,
+        ),
+        expected,
+    )
+
+
+def _rendered(case: Case, system: System, key: str, film: Path | None) -> TrialResult:
+    """Play in full, with a film of both views if there is a path for it."""
+    with ExitStack() as stack:
+        footage = stack.enter_context(open_footage(case.job(system)))
+        detector, tracker = make_system(system, footage.calibration)
+        writer = None
+        if film is not None:
+            if film.suffix != film_suffix():
+                raise BenchError(f"--film {film}: must end in {film_suffix()} here.")
+            stack.enter_context(unwritten_if_interrupted(film))
+            part = stack.enter_context(written_whole_file(film, "the film", replace=True))
+            writer = FilmWriter(part.parent, part.stem, footage.fps)
+            stack.callback(writer.close)
+        cameras = footage.rig.cameras
+
+        def draw(step: FollowedFrame, truth: Truth) -> None:
+            if writer is not None:
+                writer.add(
+                    overlay_picture(step.frame, cameras, step.detections, step.estimates, truth)
+                )
+
+        episode = play_footage(case.job(system), footage, detector, tracker, draw)
+        stages = blame(episode, footage.calibration.cameras, tracker)
+        return result_of(key, replace(episode, blame=stages))

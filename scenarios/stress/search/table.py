@@ -1,0 +1,47 @@
+"""The table of distinct failures for the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from scenarios.stress.confirm import Counterexample
+
+EVENTS = {
+    "swap": "hands swapped",
+    "head_right": "head and right swapped",
+    "head_left": "head and left swapped",
+    "lost_head": "head lost",
+    "lost_right": "right lost",
+    "lost_left": "left lost",
+}
+
+
+def failure_table(found: Sequence[Counterexample]) -> Table:
+    """A row for each distinct failure; of a confirmed one rho, severity, blame of the pictures."""
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    table.add_column("family", overflow="fold")
+    table.add_column("event", overflow="fold")
+    table.add_column("what matters", overflow="fold")
+    for heading in ("rho", "bad\nframes", "fails\nagain"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("in full", no_wrap=True)
+    table.add_column("blame", overflow="fold")
+    for one in found:
+        robustness = one.result.robustness
+        rho = "-" if robustness is None else f"{robustness.measures[one.measure]:+.2f}"
+        full = "not played" if one.full is None else "fails" if one.confirmed else "passes"
+        table.add_row(
+            Text(one.case.family),
+            EVENTS[one.measure],
+            Text(one.failure.signature.words),
+            rho,
+            f"{100 * one.result.severity:.0f} %",
+            one.survival.text,
+            full,
+            one.blame or "-",
+        )
+    return table

@@ -1,0 +1,224 @@
+"""The verb `search`: hunt the failures of a tracker, family by family, and confirm them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from rich.console import Console
+
+from pjpdaf.errors import BenchError
+from reports.score.robustness import GOALS, Goal
+from reports.summary.text import count
+from scenarios.spec.corpus_case import corpus_files, load_corpus_case
+from scenarios.spec.suggestion import did_you_mean
+from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
+from scenarios.stress.case import Case
+from scenarios.stress.case_file import case_of, corpus_case, write_case
+from scenarios.stress.confirm import Counterexample, choose, confirm
+from scenarios.stress.search.evaluation import Evaluator
+from scenarios.stress.search.record import KIND, VERSION, family_record
+from scenarios.stress.search.search import FamilySearch, SearchPlan, search_family
+from scenarios.stress.search.table import failure_table
+from scenarios.stress.space import Space
+from sim.files import written_whole_file
+
+MAX_BUDGET = 1_000_000
+ALL_GOALS = "all"
+
+
+@dataclass(frozen=True)
+class SearchRequest:
+    """The options of `search`. goals: `all`, or some of swap, head, lost with commas between.
+
+    budget: trials a family, in the fidelity of the search; distinct: failures a family that are
+    enough; patience: trials without a new one that are enough; confirm: cases a family that are
+    rendered; corpus: begin with the corpus's cases.
+    """
+
+    campaign: CampaignRequest
+    goals: str = ALL_GOALS
+    budget: int = 500
+    distinct: int = 20
+    patience: int = 2000
+    confirm: int = 8
+    corpus: bool = True
+
+
+@dataclass(frozen=True)
+class FamilyFound:
+    """A family's search and its counterexamples; files: of those that count, by number."""
+
+    search: FamilySearch
+    found: tuple[Counterexample, ...]
+    files: tuple[Path | None, ...] = ()
+
+
+def search_verb(request: SearchRequest) -> None:
+    """Search, confirm, print the table, write search.json and a file for each case.
+
+    Raises BenchError, and Interrupted after a signal.
+    """
+    goals = goals_of(request.goals)
+    for name in ("budget", "distinct", "patience"):
+        if not 1 <= getattr(request, name) <= MAX_BUDGET:
+            raise BenchError(
+                f"--{name} must be between 1 and {MAX_BUDGET}, got {getattr(request, name)}"
+            )
+    if request.confirm < 0:
+        raise BenchError(f"--confirm must be 0 or more, got {request.confirm}")
+    options = {
+        name: getattr(request, name)
+        for name in ("goals", "budget", "distinct", "patience", "confirm", "corpus")
+    }
+    campaign_request = replace(request.campaign, options=options)
+    with open_campaign(campaign_request) as campaign:
+        results = [_search(campaign, space, request, goals) for space in campaign.spaces]
+        results = [_with_files(campaign, result) for result in results]
+        _write_record(campaign, results)
+        _print(campaign, results)
+
+
+def goals_of(text: str) -> tuple[Goal, ...]:
+    """The goals of `--find`. Raises BenchError with the closest name."""
+    if text == ALL_GOALS:
+        return GOALS
+    words = [word.strip() for word in text.split(",")]
+    for word in words:
+        if word not in GOALS:
+            hint = did_you_mean(word, GOALS) or ";"
+            raise BenchError(f"--find {word}: unknown{hint} known: {', '.join(GOALS)}, all")
+    return tuple(goal for goal in GOALS if goal in words)
+
+
+def known_cases(space: Space) -> tuple[Case, ...]:
+    """The shipped corpus's cases of a family, inside its space; files of other versions are not."""
+    cases = []
+    for path in corpus_files():
+        record = load_corpus_case(path)
+        if record.family == space.family.name:
+            values = space.values_of_unit(
+                space.unit_of_values({**space.nominal(), **case_of(record).values})
+            )
+            cases.append(Case(record.family, values, record.seed))
+    return tuple(cases)
+
+
+def _search(
+    campaign: Campaign, space: Space, request: SearchRequest, goals: tuple[Goal, ...]
+) -> FamilyFound:
+    name, seed = space.family.name, campaign.request.seed
+    evaluator = Evaluator(campaign.runner, campaign.system, campaign.fidelity, campaign.other)
+    plan = SearchPlan(
+        budget=request.budget,
+        goals=goals,
+        seed=seed,
+        known=known_cases(space) if request.corpus else (),
+        distinct=request.distinct,
+        patience=request.patience,
+    )
+    campaign.progress.start(f"{name}: search", request.budget)
+    search = search_family(space, evaluator.evaluate, plan)
+    campaign.progress.start(f"{name}: fresh noise", len(search.failures) * 8)
+    found = [choose(failure, evaluator.evaluate, seed) for failure in search.failures]
+    most = min(request.confirm, len(found))
+    campaign.progress.start(f"{name}: confirm", most)
+    in_full = replace(evaluator, fidelity="full")
+    return FamilyFound(search, tuple(confirm(found, in_full.evaluate, most)))
+
+
+def _with_files(campaign: Campaign, result: FamilyFound) -> FamilyFound:
+    """Write a file for each case that was confirmed, or not rendered."""
+    files: list[Path | None] = []
+    folder = campaign.folder / "cases"
+    folder.mkdir(exist_ok=True)
+    for number, one in enumerate(result.found, start=1):
+        name = f"{one.case.family}_{one.measure}_{number}"
+        robustness = one.result.robustness
+        if robustness is None or (one.full is not None and not one.confirmed):
+            files.append(None)
+            continue
+        measure = one.measure
+        if one.full is not None and robustness.measures[measure] >= 0:
+            measure = one.result.failed[0]
+        record = corpus_case(
+            name,
+            one.case,
+            campaign.system,
+            measure,
+            robustness.measures[measure],
+            "open",
+            f"{one.failure.signature.words}; fails with {one.survival.text} fresh noise seeds in "
+            f"{campaign.fidelity}",
+        )
+        files.append(folder / f"{name}.yaml")
+        write_case(folder / f"{name}.yaml", record, replace=True)
+    return replace(result, files=tuple(files))
+
+
+def _write_record(campaign: Campaign, results: Sequence[FamilyFound]) -> None:
+    record = {
+        "kind": KIND,
+        "version": VERSION,
+        "request": json.loads(campaign.request.identity()),
+        "fidelity": campaign.fidelity,
+        "families": [family_record(result.search, result.found) for result in results],
+        "quarantined": [
+            {"case": trial.case.to_json(), "reason": result.failure and result.failure.reason}
+            for trial, result in campaign.progress.quarantined
+        ],
+    }
+    path = campaign.folder / "search.json"
+    with written_whole_file(path, "the search", replace=True) as part:
+        part.write_text(json.dumps(record, sort_keys=True, indent=1) + "\n", encoding="utf-8")
+
+
+def _print(campaign: Campaign, results: Sequence[FamilyFound]) -> None:
+    out = Console()
+    for result in results:
+        search = result.search
+        failed = sum(bool(e.result.failed) for e in search.evaluations)
+        out.print(
+            f"{search.space.family.name}: {count(search.runs, 'run')} in {campaign.fidelity}, "
+            f"{failed} of {len(search.evaluations)} points fail, "
+            f"{count(len(search.failures), 'distinct failure')} (ended by {search.ended})",
+            highlight=False,
+            soft_wrap=True,
+        )
+    found = [one for result in results for one in result.found]
+    if found:
+        out.print(failure_table(found))
+    rendered = [one for one in found if one.full is not None]
+    if rendered:
+        confirmed = sum(one.confirmed for one in rendered)
+        share = 100 * confirmed / len(rendered)
+        out.print(
+            f"confirmed in full: {confirmed} of {len(rendered)} ({share:.0f} %)", highlight=False
+        )
+    for result in results:
+        for path in result.files:
+            if path is not None:
+                out.print(
+                    f"replay: pjpdaf-bench stress {path} replay", highlight=False, soft_wrap=True
+                )
+    _print_quarantined(campaign, out)
+    out.print(f"search: {campaign.folder / 'search.json'}", highlight=False, soft_wrap=True)
+
+
+def _print_quarantined(campaign: Campaign, out: Console) -> None:
+    """Name the trials in which the tracker raised, hung or killed its worker."""
+    quarantined = campaign.progress.quarantined
+    if not quarantined:
+        return
+    trial, result = quarantined[0]
+    assert result.failure is not None
+    values = " ".join(f"--set {n}={v}" for n, v in trial.case.values.items())
+    out.print(
+        f"no result in {count(len(quarantined), 'run')}, the first: {result.failure.kind}: "
+        f"{result.failure.reason}: stress {trial.case.family} replay --seed {trial.case.seed} "
+        f"{values}",
+        highlight=False,
+        soft_wrap=True,
+    )

@@ -1,0 +1,116 @@
+"""The verb `shrink`: the minimal and the most severe form of a case, with their survival rates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from rich.console import Console
+
+from pjpdaf.errors import BenchError
+from reports.summary.text import count
+from scenarios.stress.campaign import CampaignRequest, open_campaign
+from scenarios.stress.case import Case
+from scenarios.stress.case_file import case_of, corpus_case, load_case, system_of, write_case
+from scenarios.stress.search.evaluation import Evaluator
+from scenarios.stress.search.table import EVENTS
+from scenarios.stress.shrink import NEEDED, SEEDS, Shrunk, Survival, shrink
+from scenarios.stress.space import Space
+
+MAX_FRESH = 100_000
+
+
+@dataclass(frozen=True)
+class ShrinkRequest:
+    """The options of `shrink`. path: a case file; fresh: episodes for the survival rates."""
+
+    campaign: CampaignRequest
+    path: Path
+    fresh: int = 100
+
+
+def shrink_verb(request: ShrinkRequest) -> None:
+    """Shrink a case, print what is left, write minimal.yaml and severe.yaml.
+
+    Raises BenchError, and Interrupted after a signal.
+    """
+    if not 1 <= request.fresh <= MAX_FRESH:
+        raise BenchError(f"--fresh must be between 1 and {MAX_FRESH}, got {request.fresh}")
+    record = load_case(request.path)
+    system = system_of(record)
+    options = {"case": record.digest, "event": record.event, "fresh": request.fresh}
+    campaign_request = replace(
+        request.campaign,
+        target=record.family,
+        detector=system.detector,
+        tracker=system.tracker,
+        settings=record.settings,
+        options=options,
+    )
+    out = Console()
+    with open_campaign(campaign_request) as campaign:
+        space, case = campaign.spaces[0], case_of(record)
+        space = Space.of(space.family, ["fps"] if "fps" in case.values else [])
+        campaign.progress.start(f"{record.name}: shrink")
+        evaluator = Evaluator(campaign.runner, campaign.system, campaign.fidelity)
+        shrunk = shrink(
+            space, case, record.event, evaluator.evaluate, request.fresh, campaign.request.seed
+        )
+        _print(out, shrunk, space, campaign.fidelity)
+        for name, kept, survival in (
+            ("minimal", shrunk.minimal, shrunk.minimal_survival),
+            ("severe", shrunk.severe, shrunk.severe_survival),
+        ):
+            if kept is not None and survival is not None:
+                path = campaign.folder / f"{name}.yaml"
+                note = (
+                    f"the {name} form of {record.name}; fails with {survival.text} fresh noise "
+                    f"seeds in {campaign.fidelity}"
+                )
+                title = f"{record.name}_{name}"[:60]
+                form = corpus_case(title, kept, system, record.event, record.rho, "open", note)
+                write_case(path, form, replace=True)
+                out.print(f"{name}: {path}", highlight=False, soft_wrap=True)
+
+
+def _print(out: Console, shrunk: Shrunk, space: Space, fidelity: str) -> None:
+    event = EVENTS[shrunk.measure]
+    out.print(
+        f"{shrunk.case.family}: {event} with {shrunk.survival.text} fresh noise seeds in "
+        f"{fidelity}, {len(shrunk.changed)} of {count(len(space.axes), 'parameter')} not nominal",
+        highlight=False,
+        soft_wrap=True,
+    )
+    if shrunk.minimal is None:
+        out.print(
+            f"not shrunk: it must fail with {NEEDED} of {SEEDS} fresh noise seeds; this failure is "
+            "one of noise",
+            soft_wrap=True,
+        )
+        return
+    changes = _differences(shrunk.minimal, shrunk, space)
+    out.print(
+        f"{count(shrunk.runs, 'run')}: {count(len(shrunk.needed), 'parameter')} left: "
+        f"{changes or 'none, the nominal case fails'}; {shrunk.minimal.frames} of "
+        f"{shrunk.case.frames} frames",
+        highlight=False,
+        soft_wrap=True,
+    )
+    for name, survival in (
+        ("minimal", shrunk.minimal_survival),
+        ("most severe", shrunk.severe_survival),
+    ):
+        if survival is not None:
+            out.print(f"{name}: {_rate(survival)}", highlight=False)
+
+
+def _differences(minimal: Case, shrunk: Shrunk, space: Space) -> str:
+    nominal = space.nominal()
+    return ", ".join(f"{n} {minimal.values[n]} (nominal {nominal[n]})" for n in shrunk.needed)
+
+
+def _rate(survival: Survival) -> str:
+    return (
+        f"fails with {survival.text} further seeds, {100 * survival.severity:.0f} % of the frames "
+        "bad where it does"
+    )

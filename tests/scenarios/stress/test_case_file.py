@@ -1,0 +1,99 @@
+"""Case files: written, read back, refused where they are of something else."""
+
+import pytest
+
+from pjpdaf.errors import BenchError, NotComparable
+from scenarios.play.job import System
+from scenarios.play.plan import PlanRequest, plan
+from scenarios.spec.corpus_case import corpus_suite, is_corpus_file, load_corpus_case
+from scenarios.spec.faults import FileFault
+from scenarios.stress.case import Case
+from scenarios.stress.case_file import (
+    case_of,
+    case_text,
+    corpus_case,
+    load_case,
+    system_of,
+    write_case,
+)
+from scenarios.stress.families import FAMILIES, find_family
+from scenarios.stress.replay import case_from_settings
+from scenarios.stress.space import Space
+
+SYSTEM = System("default", "thesis", {}, {"gate": "4"})
+
+
+def record_of(family="cross", seed=11):
+    space = Space.of(find_family(family))
+    values = space.values_of_unit([0.3] * len(space.axes))
+    return corpus_case(
+        "a_case", Case(family, values, seed), SYSTEM, "swap", -0.5, "open", 'found "here": it'
+    )
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_case_is_read_back_as_it_was(family, tmp_path):
+    record = record_of(family)
+    write_case(tmp_path / "c.yaml", record)
+    assert load_case(tmp_path / "c.yaml") == record
+    assert case_of(record).digest == record.digest
+    assert system_of(record) == SYSTEM
+    assert case_text(load_case(tmp_path / "c.yaml")) == (tmp_path / "c.yaml").read_text()
+
+
+def test_run_plays_a_case_with_its_seed(tmp_path):
+    write_case(tmp_path / "c.yaml", record_of())
+    (job,) = plan(PlanRequest(targets=(str(tmp_path / "c.yaml"),)))
+    assert (job.name, job.seed, job.scenario.name) == ("a_case", 11, "cross")
+    expected = case_of(record_of()).job(System())
+    assert dict(job.overrides) == dict(expected.overrides)
+    (entry,) = corpus_suite([record_of()]).scenarios
+    assert entry.digest == record_of().digest
+
+
+def changed(tmp_path, old, new):
+    path = tmp_path / "c.yaml"
+    path.write_text(case_text(record_of()).replace(old, new))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        ("format: 1", "format: 2", "c.yaml:2:1: is a corpus file of format 2; this version reads"),
+        ("event: swap", "event: swop", "event: must be one of"),
+        ("event: swap", "event: swop", "did you mean swap?"),
+        ("status: open", "status: closed", "status: must be one of open, fixed"),
+        ("seed: 11", "seed: -1", "seed: must be at least 0, got -1"),
+        ("seed: 11", "sead: 11", "sead: no such field; did you mean seed?"),
+    ],
+)
+def test_faults_of_a_file_are_a_line_with_the_place(old, new, line, tmp_path):
+    path = changed(tmp_path, old, new)
+    with pytest.raises(FileFault) as fault:
+        load_corpus_case(path)
+    assert line in str(fault.value)
+
+
+@pytest.mark.parametrize(("old", "new"), [("seed: 11", "seed: 12"), ("digest: ", "digest: a")])
+def test_another_episode_than_the_one_that_failed_is_not_comparable(old, new, tmp_path):
+    path = changed(tmp_path, old, new)
+    for read in (load_case, lambda p: plan(PlanRequest(targets=(str(p),)))):
+        with pytest.raises(NotComparable, match="not comparable: cross has changed since") as fault:
+            read(path)
+        assert fault.value.exit_code == 4
+
+
+def test_scenarios_are_no_corpus_files(tmp_path):
+    write_case(tmp_path / "c.yaml", record_of())
+    assert is_corpus_file(tmp_path / "c.yaml")
+    (tmp_path / "s.yaml").write_text("name: x\nmotion: {kind: cross}\n")
+    assert not is_corpus_file(tmp_path / "s.yaml")
+
+
+def test_a_case_of_values_is_nominal_but_for_them():
+    case = case_from_settings("cross", {"speed": "0.5 m/s", "frames": "20"}, 4)
+    nominal = Space.of(find_family("cross")).nominal()
+    assert case.values == {**nominal, "speed": 0.5, "frames": 20.0}
+    with pytest.raises(BenchError, match="did you mean speed"):
+        case_from_settings("cross", {"speeed": 1}, 0)

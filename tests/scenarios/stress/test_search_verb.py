@@ -1,0 +1,63 @@
+"""The command `stress`: searches that are short, killed, and started again."""
+
+import json
+import re
+import signal
+import time
+
+import pytest
+from commands import assert_one_line, in_this_process, started, wait_until
+
+from scenarios.execute.journal import FILE
+
+# Six frames show nothing of a motion, but everything of the command.
+WORDS = ("stress", "cross", "search", "--preset", "thesis", "--set", "frames=6", "--confirm", "0")
+
+
+def test_a_search_ends_with_its_files_and_goes_on_after_a_kill(tmp_path, monkeypatch):
+    """Killed with -9 in the middle; 3 workers then give the bytes that 1 gives in one go."""
+    monkeypatch.chdir(tmp_path)
+    words = (*WORDS, "--budget", "40", "--find", "lost")
+    killed = started(*words, "--jobs", "1", "--out", "killed", cwd=tmp_path)
+    journal = tmp_path / "killed" / FILE
+    wait_until(lambda: journal.is_file() and journal.stat().st_size > 3000, killed)
+    killed.send_signal(signal.SIGKILL)
+    killed.communicate()
+    size = journal.stat().st_size
+    again = in_this_process(*words, "--jobs", "3", "--out", "killed")
+    assert again.returncode == 0, again.stderr
+    assert journal.stat().st_size > size
+    assert "cross: 40 runs in fast" in again.stdout
+    begun = time.monotonic()
+    whole = in_this_process(*words, "--jobs", "1")
+    # Without --out the folder is that of the command.
+    (folder,) = (tmp_path / "runs").iterdir()
+    assert (folder / "search.json").read_bytes() == (
+        tmp_path / "killed" / "search.json"
+    ).read_bytes()
+    assert re.sub(r"runs/\S+?/", "killed/", whole.stdout) == again.stdout
+    record = json.loads((folder / "search.json").read_text())
+    assert len(record["families"][0]["points"]) == 40
+    assert time.monotonic() > begun
+    once_more = in_this_process(*words, "--jobs", "1")
+    assert once_more.stdout == whole.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "fragment"),
+    [
+        (("croos", "search"), "did you mean cross?"),
+        (("cross", "search", "--find", "swop"), "--find swop: unknown; did you mean swap?"),
+        (("cross", "search", "--fidelity", "slow"), "--fidelity slow: must be fast or full"),
+        (("cross", "search", "--budget", "0"), "--budget must be between 1 and"),
+        (("cross", "search", "--range", "speed=0.5..0.2"), "speed: range is reversed"),
+        (("nowhere.yaml", "replay"), "nowhere.yaml: no such file"),
+        (("nowhere.yaml", "shrink"), "nowhere.yaml: no such file"),
+        (("promote", "nowhere.yaml"), "nowhere.yaml: no such file"),
+        (("cross", "replay", "--set", "speeed=1"), "did you mean speed?"),
+    ],
+)
+def test_a_fault_is_one_line(words, fragment, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert_one_line(in_this_process("stress", *words), 2, fragment)
+    assert list(tmp_path.iterdir()) == []
