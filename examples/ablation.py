@@ -11,7 +11,7 @@ tried where the pictures need them: in the group `baseline`, which has the nuisa
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from replays import Result, Variant, by_group, change, main, outcome, share
@@ -120,22 +120,32 @@ VARIANTS = (WHOLE, *REMOVED, *ADDED)
 
 
 def table(title: str, base: Variant, others: tuple[Variant, ...], found: list[Result]) -> None:
-    """Print share, median, swaps and losses of a base, and what each other variant changes."""
-    mine = [result for result in found if result.variant == base.name]
-    of_base = {(result.scenario, result.seed): result for result in mine}
-    groups = [(name, len(results)) for name, results in by_group(mine)]
-    print(f"\n{title}\n\n| | " + " | ".join(f"{name}, n = {n}" for name, n in groups) + " |")
-    print("|---" * (len(groups) + 1) + "|")
-    cells = [f"{share(results)}; {outcome(results)}" for _, results in by_group(mine)]
-    print(f"| {base.name} | " + " | ".join(cells) + " |")
-    for variant in others:
-        results = [result for result in found if result.variant == variant.name]
-        row = {
-            name: f"{change(some, of_base)}; {outcome(some)}" for name, some in by_group(results)
-        }
-        if variant.groups:
-            row.pop("all", None)  # it would be of other episodes than the row above
-        print(f"| {variant.name} | " + " | ".join(row.get(name, "") for name, _ in groups) + " |")
+    """Print two tables by group: shares and their changes; medians, swaps and losses."""
+    mine = {v.name: [r for r in found if r.variant == v.name] for v in (base, *others)}
+    of_base = {(result.scenario, result.seed): result for result in mine[base.name]}
+    groups = {name: len(results) for name, results in by_group(mine[base.name])}
+    # A variant that was tried in some groups only has no figure for all.
+    partial = {variant.name for variant in others if variant.groups} - {base.name}
+
+    def rows(heading: str, cell: Callable[[list[Result], bool], str]) -> None:
+        print(
+            f"\n{heading}\n\n| | " + " | ".join(f"{g}, n = {n}" for g, n in groups.items()) + " |"
+        )
+        print("|---" * (len(groups) + 1) + "|")
+        for name, results in mine.items():
+            cells = {g: cell(some, name == base.name) for g, some in by_group(results)}
+            if name in partial and len(results) < len(mine[base.name]):
+                cells.pop("all")
+            print(f"| {name} | " + " | ".join(cells.get(g, "") for g in groups) + " |")
+
+    rows(
+        f"{title}: within 100 mm, %, and its change in points",
+        lambda some, is_base: share(some) if is_base else change(some, of_base),
+    )
+    rows(
+        f"{title}: median of the hands, mm; episodes swapped, lost",
+        lambda some, is_base: outcome(some),
+    )
 
 
 def show(found: list[Result]) -> None:

@@ -1,19 +1,30 @@
-"""Calibration files: intrinsics.yml and extrinsics.yml as OpenCV's stereo sample writes them."""
+"""Calibration files: intrinsics.yml and extrinsics.yml as OpenCV's stereo sample writes them.
+
+Those of ROS and Kalibr are read too (`pjpdaf.calibration_formats`).
+"""
 
 from __future__ import annotations
 
-import math
+from contextlib import ExitStack
 from pathlib import Path
 
 import cv2
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from pjpdaf.camera import DISTORTION_LENGTHS, Camera, StereoRig
+from pjpdaf.calibration_formats import (
+    Stereo,
+    is_kalibr,
+    is_ros,
+    read_kalibr,
+    read_opencv,
+    read_ros,
+)
+from pjpdaf.camera import Camera, StereoRig
 from pjpdaf.errors import BenchError, FileError
+from pjpdaf.opencv_file import OpenCvFile
 
 INTRINSICS, EXTRINSICS = "intrinsics.yml", "extrinsics.yml"
-ROTATION_TOLERANCE = 1e-3  # a matrix typed with four digits is still meant to be a rotation
 BASELINE_MAX_M = 10.0  # above this the file is in millimetres, or in squares
 
 
@@ -25,34 +36,77 @@ def read_rig(
 ) -> StereoRig:
     """Read a rig, in the left camera's frame (left R_cw = I, t_cw = 0), from OpenCV YAML (or XML).
 
-    intrinsics: file with M1 D1 M2 D2, or the folder that holds both files under their usual names;
-    extrinsics: file with R T (default: beside the first under its usual name, or, where that file
-    has R itself, that file); size_px: width and height of the pictures, needed where the files
-    have no image_width and image_height; unit_m: length of T's unit [m], 0.001 for millimetres.
+    intrinsics: file with M1 D1 M2 D2 (or K1 ...), or the folder that holds both files under their
+    usual names; extrinsics: file with R T (default: beside the first under its usual name, or,
+    where that file has R itself, that file). Or: two camera_info files of ROS, left and right; a
+    camera chain of Kalibr, for both. size_px: width and height of the pictures, needed where the
+    files have none; unit_m: length of T's unit [m], 0.001 for millimetres.
 
     Raises FileError naming file and key.
     """
-    first = Path(intrinsics)
-    if first.is_dir():
-        first, second = first / INTRINSICS, first / EXTRINSICS
-    else:
-        second = first.with_name(EXTRINSICS)
-    inner = _Yaml(first)
-    try:
-        outer = inner
-        if extrinsics is not None:
-            outer = _Yaml(Path(extrinsics))
-        elif not inner.has("R"):
-            outer = _Yaml(second)
-        K1, K2 = _intrinsics(inner, "M1"), _intrinsics(inner, "M2")
-        D1, D2 = _distortion(inner, "D1"), _distortion(inner, "D2")
-        R, T = _rotation(outer), _translation(outer, unit_m)
-        width, height = _size(inner, size_px)
-    finally:
-        inner.close()
-    left = Camera(K1, np.eye(3), np.zeros(3), width, height, D1)
-    right = Camera(K2, R, T, width, height, D2)
+    with ExitStack() as opened:
+
+        def read(path: Path) -> OpenCvFile:
+            file = OpenCvFile(path)
+            opened.callback(file.close)
+            return file
+
+        first = Path(intrinsics)
+        second = first / EXTRINSICS if first.is_dir() else first.with_name(EXTRINSICS)
+        inner = read(first / INTRINSICS if first.is_dir() else first)
+        if is_kalibr(inner):
+            stereo = read_kalibr(inner)
+        elif is_ros(inner):
+            if extrinsics is None:
+                raise FileError(inner.path, "is of one camera; give the other camera's file too")
+            stereo = read_ros(inner, read(Path(extrinsics)))
+        elif extrinsics is None and inner.has("R"):
+            stereo = read_opencv(inner, inner)
+        else:
+            stereo = read_opencv(inner, read(second if extrinsics is None else Path(extrinsics)))
+        return _rig_of(stereo, inner.path, Path(extrinsics or second), size_px, unit_m)
+
+
+def _rig_of(
+    stereo: Stereo, inner: Path, outer: Path, size_px: tuple[int, int] | None, unit_m: float
+) -> StereoRig:
+    T = stereo.T * unit_m
+    length = float(np.linalg.norm(T))
+    if length < 1e-6:
+        raise FileError(outer, "T is zero; two cameras at the same place see no depth")
+    if length > BASELINE_MAX_M:
+        raise FileError(
+            outer,
+            f"T is {length:g} m long; metres are expected: calibrate with the square "
+            "size in metres, or give the unit (0.001 m for millimetres)",
+        )
+    size = stereo.size_px or size_px
+    if size is None:
+        raise FileError(
+            inner,
+            "keys image_width and image_height are missing, so the size of the "
+            "pictures must be given",
+        )
+    if size_px is not None and tuple(size_px) != size:
+        raise FileError(
+            inner,
+            f"calibrated at {size[0]}x{size[1]} px (image_width, image_height), but "
+            f"the pictures are {size_px[0]}x{size_px[1]}",
+        )
+    left = Camera(stereo.K[0], np.eye(3), np.zeros(3), *size, stereo.D[0])
+    right = Camera(stereo.K[1], stereo.R, T, *size, stereo.D[1])
     return StereoRig(left, right)
+
+
+def view_order_doubt(rig: StereoRig) -> str:
+    """Why left and right seem to be exchanged, in one sentence; "" where they do not."""
+    T = rig.T
+    if T[0] > 0 and abs(T[0]) == np.abs(T).max():
+        return (
+            f"by this calibration the right camera is {1000 * T[0]:.0f} mm to the left of the "
+            "left one (T_x is above 0): left and right are exchanged, or --left and --right are"
+        )
+    return ""
 
 
 def write_rig(rig: StereoRig, folder: Path | str) -> tuple[Path, Path]:
@@ -122,148 +176,3 @@ def rectify(
 def _row(distortion: Floats) -> Floats:
     """Coefficients as a row (1, n), as the sample writes them; none become five zeros."""
     return np.array(distortion if len(distortion) else np.zeros(5)).reshape(1, -1)
-
-
-class _Yaml:
-    """OpenCV's FileStorage opened for reading; each fault is a FileError."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        if not path.is_file():
-            raise FileError(path, "no such calibration file")
-        level = cv2.utils.logging.getLogLevel()
-        cv2.utils.logging.setLogLevel(0)  # OpenCV prints its own account of the faults raised here
-        try:
-            self._storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
-            opened = self._storage.isOpened()
-            self._keys = set(self._storage.root().keys()) if opened else set()
-        except (cv2.error, SystemError, UnicodeDecodeError):
-            opened = False
-        finally:
-            cv2.utils.logging.setLogLevel(level)
-        if not opened:
-            raise FileError(
-                path, "not an OpenCV calibration file (YAML that begins with %YAML, or XML)"
-            )
-
-    def close(self) -> None:
-        self._storage.release()
-
-    def has(self, key: str) -> bool:
-        return key in self._keys
-
-    def matrix(self, key: str) -> Floats:
-        """Return the matrix of a key. Raises FileError if it is not of finite numbers."""
-        if not self.has(key):
-            there = f". It has {', '.join(sorted(self._keys))}" if self._keys else ""
-            raise FileError(self.path, f"key {key} is missing{there}")
-        try:
-            value = self._storage.getNode(key).mat()
-        except (cv2.error, SystemError):
-            value = None
-        if value is None:
-            raise FileError(self.path, f"{key} is not a matrix (!!opencv-matrix)")
-        matrix = np.asarray(value, dtype=np.float64)
-        if not np.isfinite(matrix).all():
-            raise FileError(self.path, f"{key} has values that are not finite numbers")
-        return matrix
-
-    def number(self, key: str) -> float:
-        node = self._storage.getNode(key)
-        if not (node.isInt() or node.isReal()):
-            raise FileError(self.path, f"{key} is not a number")
-        return float(node.real())
-
-
-def _shaped(file: _Yaml, key: str, shape: tuple[int, int]) -> Floats:
-    matrix = file.matrix(key)
-    if matrix.shape != shape:
-        raise FileError(
-            file.path,
-            f"{key} must be {shape[0]}x{shape[1]}, got {'x'.join(str(n) for n in matrix.shape)}",
-        )
-    return matrix
-
-
-def _intrinsics(file: _Yaml, key: str) -> Floats:
-    K = _shaped(file, key, (3, 3))
-    lower = np.abs([K[0, 1], K[1, 0], K[2, 0], K[2, 1], K[2, 2] - 1.0])
-    if not (K[0, 0] > 0 and K[1, 1] > 0 and lower.max() < 1e-9):
-        raise FileError(
-            file.path,
-            f"{key} must be [fx 0 cx; 0 fy cy; 0 0 1] with fx, fy above 0, "
-            f"got {np.array2string(K.ravel(), precision=6, max_line_width=1000)}",
-        )
-    return K
-
-
-def _distortion(file: _Yaml, key: str) -> Floats:
-    D = file.matrix(key)
-    counts = [n for n in DISTORTION_LENGTHS if n]
-    if D.size not in counts or max(D.shape) != D.size:
-        raise FileError(
-            file.path,
-            f"{key} must be a row or column of {', '.join(map(str, counts))} "
-            f"coefficients, got {'x'.join(str(n) for n in D.shape)}",
-        )
-    return D.ravel()
-
-
-def _rotation(file: _Yaml) -> Floats:
-    """R, made an exact rotation where it was rounded."""
-    R = _shaped(file, "R", (3, 3))
-    fault = float(np.abs(R @ R.T - np.eye(3)).max())
-    if fault > ROTATION_TOLERANCE or np.linalg.det(R) < 0:
-        raise FileError(
-            file.path,
-            f"R is not a rotation (R R^T differs from 1 by {fault:.2g}, "
-            f"det R = {np.linalg.det(R):.3g})",
-        )
-    if fault < 1e-9:
-        return R
-    U, _, Vt = np.linalg.svd(R)
-    return np.asarray(U @ Vt)
-
-
-def _translation(file: _Yaml, unit_m: float) -> Floats:
-    T = file.matrix("T")
-    if T.size != 3:
-        raise FileError(file.path, f"T must be 3x1, got {'x'.join(str(n) for n in T.shape)}")
-    T = T.ravel() * unit_m
-    length = float(np.linalg.norm(T))
-    if length < 1e-6:
-        raise FileError(file.path, "T is zero; two cameras at the same place see no depth")
-    if length > BASELINE_MAX_M:
-        raise FileError(
-            file.path,
-            f"T is {length:g} m long; metres are expected: calibrate with the square "
-            "size in metres, or give the unit (0.001 m for millimetres)",
-        )
-    return T
-
-
-def _size(file: _Yaml, size_px: tuple[int, int] | None) -> tuple[int, int]:
-    keys = ("image_width", "image_height")
-    if not all(file.has(key) for key in keys):
-        if size_px is None:
-            raise FileError(
-                file.path,
-                "keys image_width and image_height are missing, so the size of the "
-                "pictures must be given",
-            )
-        return size_px
-    numbers = [file.number(key) for key in keys]
-    if not all(math.isfinite(n) and n >= 1 and n == int(n) for n in numbers):
-        raise FileError(
-            file.path,
-            f"image_width and image_height must be whole numbers above 0, "
-            f"got {numbers[0]:g} and {numbers[1]:g}",
-        )
-    size = int(numbers[0]), int(numbers[1])
-    if size_px is not None and tuple(size_px) != size:
-        raise FileError(
-            file.path,
-            f"calibrated at {size[0]}x{size[1]} px (image_width, image_height), but "
-            f"the pictures are {size_px[0]}x{size_px[1]}",
-        )
-    return size

@@ -27,7 +27,9 @@ def track(
     calibration: Annotated[
         tuple[Path, Path],
         typer.Option(
-            metavar="INTRINSICS EXTRINSICS", help="Files as OpenCV's stereo sample writes them."
+            metavar="INTRINSICS EXTRINSICS",
+            help="Files as OpenCV's stereo sample writes them; or two camera_info files of ROS, "
+            "left and right; or a camera chain of Kalibr, twice.",
         ),
     ],
     out: ResultsOut,

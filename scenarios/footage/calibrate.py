@@ -14,6 +14,7 @@ from rich.table import Table
 
 from pjpdaf.boards import Board
 from pjpdaf.calibrate import calibrate as calibrate_pairs
+from pjpdaf.calibration import view_order_doubt
 from pjpdaf.calibration_report import CalibrationReport
 from pjpdaf.errors import BenchError
 from pjpdaf.sources import PicturePair, open_source, picture_pairs
@@ -120,5 +121,7 @@ def _print(report: CalibrationReport, out: Console, folder: Path, names: list[Pa
         lines.append(f"{view}: {numbers} px; distortion {lens}")
     top = [str(name) for name in names if len(name.parts) == 1]
     lines.append(f"written to {folder}: {', '.join(top)}, corners/ ({len(names) - len(top)})")
+    doubt = view_order_doubt(rig)
+    lines += [f"warning: {doubt}."] if doubt else []
     for line in lines:
         out.print(line, markup=False, highlight=False, soft_wrap=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pjpdaf.calibration import read_rig
+from pjpdaf.calibration import read_rig, view_order_doubt
 from pjpdaf.camera import StereoRig
 from pjpdaf.detector.external import ExternalDetector
 from pjpdaf.errors import BenchError
@@ -107,6 +107,9 @@ def prepare_session(request: TrackRequest, warn: Callable[[str], None]) -> Track
             f"{request.calibration[1]}: the cameras are {baseline_m:.2f} m apart; if T is not in "
             "metres, give --unit mm, or the side of the board's square in metres."
         )
+    doubt = view_order_doubt(rig)
+    if doubt:
+        warn(f"{request.calibration[1]}: {doubt}.")
     learnt = skin_of_sample(request.skin_sample)
     detector_settings = {**learnt, **settings.detector}
     detector: Detector
