@@ -83,10 +83,18 @@ class CampaignRequest:
         record = asdict(self)
         for name in ("jobs", "out", "time_limit_s"):
             del record[name]
-        plug_ins = (self.detector, self.tracker, self.against or "")
-        record["plug_ins"] = [plug_in_digest(name) for name in plug_ins]
-        record["code"] = [version("pjpdaf-bench"), code_digest()]
-        return json.dumps(record, sort_keys=True, default=str)
+        return json.dumps({**record, "code": self.code()}, sort_keys=True, default=str)
+
+    def code(self) -> str:
+        """Canonical JSON of the code that decides the results of a trial.
+
+        The identity of a journal: a trial's key names all else, so that several verbs, of several
+        systems, can share one.
+        """
+        names = {self.detector, self.tracker, self.against or ""}
+        plug_ins = {name: digest for name in names if (digest := plug_in_digest(name))}
+        record = {"version": version("pjpdaf-bench"), "code": code_digest(), "plug-ins": plug_ins}
+        return json.dumps(record, sort_keys=True)
 
 
 @dataclass(frozen=True)
@@ -155,11 +163,10 @@ def open_campaign(request: CampaignRequest, total: int | None = None) -> Iterato
     for tested in (system, other):
         if tested is not None:
             _check(tested)
-    identity = request.identity()
-    folder = request.out or default_folder(request, identity)
+    folder = request.out or default_folder(request, request.identity())
     with (
         interrupts() as arrived,
-        Journal.open(folder, identity) as journal,
+        Journal.open(folder, request.code()) as journal,
         local_executor(workers) as executor,
         campaign_progress(total) as progress,
     ):

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from pjpdaf.errors import BenchError
-from scenarios.spec.names import load_scenario
+from scenarios.spec.names import load_scenario, scenario_names
 from scenarios.spec.parameters.choice import Choice
 from scenarios.spec.parameters.distributions import Fixed
 from scenarios.spec.parameters.file import File
@@ -96,8 +96,13 @@ FAMILIES: Mapping[str, StressFamily] = {
 
 
 def find_family(name: str) -> StressFamily:
-    """A family by name. Raises BenchError with the closest name."""
-    if name not in FAMILIES:
-        hint = did_you_mean(name, FAMILIES) or ";"
-        raise BenchError(f"no family {name[:60]!r} to stress{hint} known: {', '.join(FAMILIES)}")
-    return FAMILIES[name]
+    """A family by name; any other shipped scenario is one too, with its own parameters.
+
+    Raises BenchError with the closest name.
+    """
+    if name in FAMILIES:
+        return FAMILIES[name]
+    if name in scenario_names():
+        return _motion(name)
+    hint = did_you_mean(name, (*FAMILIES, *scenario_names())) or ";"
+    raise BenchError(f"no family {name[:60]!r} to stress{hint} known: {', '.join(FAMILIES)}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from reports.score.robustness import Goal, measures_of
+from reports.score.robustness import MEASURES, Goal, measures_of
 from scenarios.play.job import System
 from scenarios.stress.case import Case, Fidelity, Trial, TrialResult
 from scenarios.stress.trials import TrialRunner
@@ -29,6 +29,15 @@ class Evaluation:
         if self.other.robustness is None:
             return ()  # without a result of the other, nothing is shown
         return tuple(name for name in failed if name not in self.other.failed)
+
+    def primary(self, goals: Sequence[Goal]) -> str:
+        """The failure that comes first, which the others follow from; "" without any."""
+        failed = self.failures(goals)
+        robustness = self.result.robustness
+        if robustness is None or not failed:
+            return ""
+        ends = dict(zip(MEASURES, robustness.ends, strict=True))
+        return min(failed, key=lambda name: ends[name])
 
     def objective(self, goal: Goal) -> float:
         """J of the goal; `NO_RESULT` where there is none, or where the other system fails too."""

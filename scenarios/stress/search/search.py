@@ -20,7 +20,6 @@ from scenarios.stress.search.design import corners, sobol
 from scenarios.stress.search.distinct import DistinctFailure, attribute, explained
 from scenarios.stress.search.evaluation import Evaluation
 from scenarios.stress.space import Space
-from sim.motion.stage import Value
 from sim.randomness import generator
 
 GENERATION = 16
@@ -171,17 +170,17 @@ class _Search:
         return None
 
     def _attribute(self, evaluations: Sequence[Evaluation]) -> None:
-        """Of each measure that fails, attribute the worst failure that no signature explains."""
+        """Of each measure that fails first, attribute the worst that no signature explains."""
         worst: dict[str, Evaluation] = {}
         for evaluation in evaluations:
-            for measure in evaluation.failures(self.plan.goals):
-                known = (failure.signature for failure in self.failures)
-                if any(explained(s, self.space, evaluation.case, measure) for s in known):
-                    continue
-                if measure not in worst or _rho(evaluation, measure) < _rho(
-                    worst[measure], measure
-                ):
-                    worst[measure] = evaluation
+            measure = evaluation.primary(self.plan.goals)
+            known = [failure.signature for failure in self.failures]
+            if not measure or any(
+                explained(s, self.space, evaluation.case, measure) for s in known
+            ):
+                continue
+            if measure not in worst or _rho(evaluation, measure) < _rho(worst[measure], measure):
+                worst[measure] = evaluation
         for measure, evaluation in worst.items():
             if self.ended:
                 return
@@ -202,8 +201,3 @@ class _Search:
 def _rho(evaluation: Evaluation, measure: str) -> float:
     robustness = evaluation.result.robustness
     return np.inf if robustness is None else robustness.measures[measure]
-
-
-def values_text(values: dict[str, Value]) -> str:
-    """Values as `--set` takes them."""
-    return " ".join(f"--set {name}={value}" for name, value in values.items())
