@@ -116,13 +116,13 @@ def prepare_session(request: TrackRequest, warn: Callable[[str], None]) -> Track
     check_lag(request.lag)
     for key in settings.scenario:
         raise BenchError(f"--set {key}: footage has only detector.NAME and tracker.NAME to change")
+    size_px = _first_size(request)  # what the footage lacks comes before all that goes with it
     if request.detections is None:
         _check_background(request)
     else:
         _refuse_detector_options(request)
     if request.fps is not None and not 0 < request.fps <= 1000:
         raise BenchError(f"--fps must be above 0 and at most 1000, got {request.fps:g}")
-    size_px = _first_size(request)
     rig = read_rig(*request.calibration, size_px=size_px, unit_m=parse_unit(request.unit))
     baseline_m = float((rig.T @ rig.T) ** 0.5)
     if baseline_m > LARGE_BASELINE_M:
@@ -247,7 +247,9 @@ def _external_detector(path: Path, rig: StereoRig, settings: Mapping[str, str]) 
     if path.is_dir():
         raise BenchError(f"{path}: is a folder; `track` takes one file of detections.")
     min_score = read_min_score(settings)
-    tables = read_detections(path, {"footage": rig.cameras}, {"footage": None}, min_score)
+    tables = read_detections(
+        path, {"footage": rig.cameras}, {"footage": None}, min_score, "the footage"
+    )
     if not tables:
         raise BenchError(f"{path}: has no detections.")
     return ExternalDetector(rig.cameras, tables["footage"])

@@ -93,6 +93,14 @@ def goals_of(text: str) -> tuple[Goal, ...]:
     return tuple(goal for goal in GOALS if goal in words)
 
 
+def goal_of(text: str) -> Goal:
+    """The one goal of `--find`. Raises BenchError."""
+    goals = goals_of(text)
+    if len(goals) != 1:
+        raise BenchError(f"--find {text}: must be one of {', '.join(GOALS)}")
+    return goals[0]
+
+
 def known_cases(space: Space) -> tuple[Case, ...]:
     """The shipped corpus's cases of a family, inside its space; files of other versions are not."""
     cases = []

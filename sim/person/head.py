@@ -105,6 +105,20 @@ def _extremes(points: Floats) -> Floats:
     return np.asarray(points[np.unique((points @ ways.T).argmax(axis=0))])
 
 
+@lru_cache(maxsize=1)
+def _average_beard() -> Floats:
+    """Points about the jaw where a beard is dense; the moustache is too thin to part the face."""
+    points = _face(*_angles(60, 73)).reshape(-1, 3)
+    x, y, z = points.T
+    dense = (z < -0.042 - 0.25 * (0.05 - np.abs(y))) & (x > 0.04)
+    return readonly(_extremes(points[dense]), (None, 3), "beard")
+
+
+def beard_points(anatomy: Anatomy) -> Floats:
+    """Points (n, 3) about the bearded part of the face, head frame."""
+    return _scaled(_average_beard(), anatomy)
+
+
 def outline_points(anatomy: Anatomy, hair: str) -> tuple[Floats, Floats]:
     """Points (n, 3) on the bare face, and (m, 3) on the hair, head frame; none of a bald head."""
     bare, covered = _average_outline(hair)

@@ -24,11 +24,10 @@ from pjpdaf.looks import BACKGROUND, CLOTHED, SKIN, BlobLooks, Silhouette
 from sim.silhouettes import shapes
 from sim.silhouettes.error_model import BlobErrors
 from sim.silhouettes.painter import PaintedView, Painter
-from sim.silhouettes.skin_blobs import enlarged
+from sim.silhouettes.skin_blobs import CLOSING, enlarged
 
 STEP_PX = 2  # pictures are painted so much smaller
 _LATTICE = 2  # every so many painted pixels of a row and a column are kept
-_CLOSING = np.ones((3, 3), np.uint8)
 # Of each painted class, that of the silhouette.
 _CLASSES = np.full(shapes.PAINTS, BACKGROUND, np.uint8)
 _CLASSES[shapes.CLOTHED] = CLOTHED
@@ -81,7 +80,7 @@ class BlobsWithLooks:
         least = min_area_px(p.components, camera, predicted) / step**2
         skin = (painted.classes >= shapes.BARE).view(np.uint8)
         seen = segments(
-            cv2.morphologyEx(skin, cv2.MORPH_CLOSE, _CLOSING), least, p.components.merge_fragments
+            cv2.morphologyEx(skin, cv2.MORPH_CLOSE, CLOSING), least, p.components.merge_fragments
         )
         shape = _silhouette(painted, camera)
         if turn is not None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import final
 
+import cv2
 import numpy as np
 
 from pjpdaf.arrays import Floats, Ints
@@ -22,7 +23,8 @@ from sim.silhouettes.painter import PaintedView, Painter
 from sim.silhouettes.patches import Patches, T, apart
 from sim.silhouettes.shapes import BARE
 
-STEP_PX = 4  # pictures are painted so much smaller
+STEP_PX = 2  # pictures are painted so much smaller
+CLOSING = np.ones((3, 3), np.uint8)  # as the detector's of 5 px
 _APART = 3  # components that are taken for the blobs: k-means is not asked
 
 
@@ -44,8 +46,9 @@ class SkinBlobs:
     _centre_covariances: Floats = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        # The painted pixels are the sample of every fourth row and column already.
-        whole = replace(self.parameters.clusters, subsample=1)
+        # Every other row and column of the painted pixels is the sample of the whole picture.
+        sample = max(1, round(self.parameters.clusters.subsample / STEP_PX**2))
+        whole = replace(self.parameters.clusters, subsample=sample)
         object.__setattr__(self, "_all_pixels", whole)
         other_skin = any(view.other_skin for view in self.painter.film.outlines)
         object.__setattr__(self, "_simple", whole.components_compete and not other_skin)
@@ -75,7 +78,8 @@ class SkinBlobs:
         least = min_area_px(p.components, self.cameras[number], predicted) / step**2
         if self._simple and _plain(painted.patches, least):
             return self._plain_blobs(painted, frame, number)
-        mask = (painted.classes >= BARE).view(np.uint8)
+        skin = (painted.classes >= BARE).view(np.uint8)
+        mask = cv2.morphologyEx(skin, cv2.MORPH_CLOSE, CLOSING)
         seen = segments(mask, least, p.components.merge_fragments)
         if seen.count == 0:
             return Detections.none()
@@ -118,7 +122,7 @@ def _plain(patches: Patches, least: float) -> bool:
         if patch is None or patch.pieces != 1 or patch.pixels < least:
             return False
         boxes.append(patch.box)
-    return all(apart(a, b, 1) for a, b in combinations(boxes, 2))
+    return all(apart(a, b, 2) for a, b in combinations(boxes, 2))
 
 
 def enlarged(fit: Moments, step: int) -> Moments:

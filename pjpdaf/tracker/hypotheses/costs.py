@@ -23,6 +23,7 @@ from pjpdaf.tracker.hypotheses.sleeve import Body, arm_scores, arm_values
 
 AREA_COST_MOST = 6.0
 HANDLIKE_COST = 2.0, 3.0  # of the area, of the pair: a blob below both should be somebody's hand
+SINGLE_AREA_COST = 4.0  # the same of a blob that one view shows
 LONGEST_FINGERS = 0.3
 FORWARD_MOST = 4.0
 MOST_PAIRS = 100  # ordinary frames have fewer than 20
@@ -97,7 +98,8 @@ def joint_cost(
     for view in range(2):
         b, part = pairs.blob[:, view], pairs.part[:, view]
         same = (b[:, None] == b[None, :]) & (b >= 0)[:, None] & (b >= 0)[None, :]
-        same_part = same & (part[:, None] == part[None, :])
+        chosen = pairs.candidate[:, view]
+        same_part = same & (chosen[:, None] == chosen[None, :])
         whole = (part == WHOLE)[:, None] | (part == WHOLE)[None, :]
         ends = (part >= END)[:, None] & (part >= END)[None, :]
         half = (part == HALF) | (part == OTHER_HALF)
@@ -118,7 +120,7 @@ def joint_cost(
             joint += c.unexplained * _unexplained(pairs, left, right)
     single = ((pairs.part == WHOLE) | (pairs.part == -1)).all(axis=1)
     single &= (pairs.blob < 0).any(axis=1)
-    single &= area_cost(pairs, hand_area_m2, c) < HANDLIKE_COST[0]
+    single &= area_cost(pairs, hand_area_m2, c) < SINGLE_AREA_COST
     for left, right in {(int(a), int(b)) for a, b in pairs.blob[single]}:
         joint += c.unexplained_single * _unexplained(pairs, left, right)
     beside = (pairs.part == BESIDE).all(axis=1)

@@ -48,7 +48,14 @@ def open_tracks(seen: tuple[Blobs, ...], views: Views, p: HypothesisParameters) 
     longest = _longest(seen, metre_px)
     plain = replace(p.candidates, halves=False, beside_head=False)
     one, two = (
-        candidates(view, None, float(metre_px[v]), longest > plain.bare_length_m, plain)
+        candidates(
+            view,
+            None,
+            float(metre_px[v]),
+            p.costs.hand_area_m2,
+            longest > plain.bare_length_m,
+            plain,
+        )
         for v, view in enumerate(seen)
     )
     pairs = pair_candidates(views, (one, two), np.zeros((0, 3)), p.noise, p.costs)

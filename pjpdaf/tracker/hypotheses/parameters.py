@@ -22,10 +22,8 @@ class CandidateParameters:
     ends: bool = True
     # Pieces of the head, as a fringe or glasses cut it, are one blob.
     join_head: bool = True
-    # Hands that the picture's edge cuts in one view have their depth from the side that is left.
-    cut_hands: bool = True
-    # Share of the distance of two halves' centres that is kept [1]: cut, they are too far apart.
-    draw_together: float = 0.7
+    # How much of two halves' distance goes for each share of two hands' area that is hidden [1].
+    draw_together: float = 1.5
     # Share of the vector from centroid to palm by which a whole hand's centre is moved [1].
     palm: float = 0.75
     # Smallest blob that is split [m^2].
@@ -75,11 +73,17 @@ class NoiseParameters:
     whole_px: tuple[float, float] = (2.5, 0.7)
     # Of parts of blobs [px at 640 columns].
     part_px: tuple[float, float] = (8.0, 2.0)
+    # Of a whole hand's centre between the views, in its radii for each unit of the logarithm by
+    # which the views' areas differ: one view alone hides a part of it [1].
+    hidden_share: float = 0.35
     # Of a hand somewhere at the face, per axis [m].
     face_m: float = 0.06
+    # Places before the face, from its middle: sideways and up or down [m]; 0 = its middle alone.
+    face_reach_m: float = 0.05
 
     def __post_init__(self) -> None:
         check_above_zero(OWNER, self, "face_m")
+        check_not_negative(OWNER, self, "hidden_share", "face_reach_m")
 
 
 @dataclass(frozen=True)
@@ -94,6 +98,10 @@ class CostParameters:
     log_area_up_sd: float = 0.35
     # Share of a frame in the learnt area [1].
     area_memory: float = 0.1
+    # Hands that the picture's edge cuts in one view have their depth from the side that is left.
+    cut_hands: bool = True
+    # Parts of a blob have their depth from the outlines that are their own.
+    contours: bool = True
     # A blob like a hand that is nobody's.
     unexplained: float = 6.0
     # A blob like a hand that only one view shows and is nobody's.

@@ -46,6 +46,7 @@ APART_M = 0.3  # hands whose arms are looked at
 NEAR_HAND_M = 0.15  # from a hand to the centre of its arm's blob
 LONGEST_M = 0.45
 LENGTH_MEMORY_S = 4.0
+FACE_PLACES = (0, 0), (-1, 0), (1, 0), (-1, 1), (1, 1), (0, 1)  # right, down
 BEFORE_FACE_M, BELOW_FACE_M = 0.06, 0.02  # a hand at the face
 
 
@@ -160,7 +161,7 @@ class HypothesisTracker:
             pairs.cost + area_cost(pairs, state.hand_area_m2, p.costs),
             joint_cost(pairs, places, state.hand_area_m2, p.costs),
             side_evidence(pairs, seen, head.mean, self.views, p),
-            head.mean - BEFORE_FACE_M * away + BELOW_FACE_M * down,
+            head.mean - BEFORE_FACE_M * away + BELOW_FACE_M * down + self._at_face(),
             p.costs.face if hidden else FORBIDDEN,
         )
         only = None
@@ -178,6 +179,13 @@ class HypothesisTracker:
         )
         return after, estimates
 
+    def _at_face(self) -> Floats:
+        """Offsets (f, 3) [m] of the places of a hand before the face from its middle."""
+        reach = self.parameters.noise.face_reach_m
+        if reach == 0:
+            return np.zeros((1, 3))
+        return np.asarray(reach * np.array(FACE_PLACES) @ self.views.axes[:2])
+
     def smoothed(self, states: tuple[HypothesisState, ...], /) -> Estimates:
         """Return the estimates of the first state in the knowledge of the later ones."""
         past = [Past(s.head, s.hypotheses, s.dt_s) for s in states]
@@ -193,17 +201,17 @@ class HypothesisTracker:
         """All sightings of hands before the person, with the costs of their looks."""
         p = self.parameters
         bare = state.longest_m > p.candidates.bare_length_m
+        area_m2 = state.hand_area_m2
         _, depth = self.views.project(head.mean)
         metre_px = self.views.focal_px / np.maximum(depth - HANDS_BEFORE_HEAD_M, 0.3)
         # A head that is out of sight still hides no blob: -1 is no blob's number.
         nowhere = HeadPlace(-1, True, np.zeros(2), np.eye(2))
         one, two = (
-            candidates(view, place or nowhere, float(metre_px[v]), bare, p.candidates)
+            candidates(view, place or nowhere, float(metre_px[v]), area_m2, bare, p.candidates)
             for v, (view, place) in enumerate(zip(seen, places, strict=True))
         )
         expected = np.concatenate([h.means for h in state.hypotheses])
-        cut = seen if p.candidates.cut_hands else None
-        pairs = pair_candidates(self.views, (one, two), expected, p.noise, p.costs, cut)
+        pairs = pair_candidates(self.views, (one, two), expected, p.noise, p.costs, seen)
         away = (pairs.points_m - head.mean) @ self.views.axes[2]
         pairs = pairs[(away < BEHIND_M) & (away > -BEFORE_M)]
         extra = piece_cost(pairs, head.mean, self.views.axes, p.costs)

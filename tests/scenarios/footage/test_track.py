@@ -314,6 +314,10 @@ FAULTS = [
     ({"left": "small", "right": "short"}, ("640x480", "320x240")),
     ({"background_left": "small"}, ("000.png", "320x240", "640x480")),
     ({"background_left": None, "background_right": None}, ("--background-first",)),
+    (
+        {"left": "nowhere", "background_left": None, "background_right": None},
+        ("nowhere", "no such file or folder"),
+    ),
     ({"background_right": None}, ("both",)),
     ({"background_first": 5}, ("not both",)),
     ({"background_left": None, "background_right": None, "background_first": 99}, ("only 12",)),
