@@ -21,8 +21,8 @@ class ErrorModel:
     semi-axis, and centre_floor_px, added to it in squares.
     """
 
-    centre_share: float = 0.02
-    centre_floor_px: float = 0.3
+    centre_share: float = 0.0
+    centre_floor_px: float = 0.1
 
 
 class BlobErrors:

@@ -24,7 +24,7 @@ from sim.silhouettes.patches import Patches, T, apart
 from sim.silhouettes.shapes import BARE
 
 STEP_PX = 2  # pictures are painted so much smaller
-CLOSING = np.ones((3, 3), np.uint8)  # as the detector's of 5 px
+CLOSING = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))  # as the detector's of 5 px
 _APART = 3  # components that are taken for the blobs: k-means is not asked
 
 
