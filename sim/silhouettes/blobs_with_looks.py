@@ -15,7 +15,7 @@ from pjpdaf.detector.adaptation import AdaptationParameters
 from pjpdaf.detector.alignment import LEAST_DEG, moved
 from pjpdaf.detector.blob_detector import directions
 from pjpdaf.detector.components import Segments, min_area_px, segments
-from pjpdaf.detector.ellipses import Moments, ellipse_axes, moments
+from pjpdaf.detector.ellipses import Moments, moments
 from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.detector.silhouette import reduction, turned
 from pjpdaf.frames import StereoFrame
@@ -24,7 +24,7 @@ from pjpdaf.looks import BACKGROUND, CLOTHED, SKIN, BlobLooks, Silhouette
 from sim.silhouettes import shapes
 from sim.silhouettes.error_model import BlobErrors
 from sim.silhouettes.painter import PaintedView, Painter
-from sim.silhouettes.skin_blobs import CLOSING, enlarged
+from sim.silhouettes.skin_blobs import CLOSING, enlarged, quick_axes
 
 STEP_PX = 2  # pictures are painted so much smaller
 _LATTICE = 2  # every so many painted pixels of a row and a column are kept
@@ -107,7 +107,7 @@ class BlobsWithLooks:
         return Detections(
             fit.centres,
             covariances,
-            ellipse_axes(fit),
+            quick_axes(fit),
             fit.areas,
             looks=BlobLooks(pixels, each, *directions(seen), shape),
         )
