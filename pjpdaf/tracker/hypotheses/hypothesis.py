@@ -47,7 +47,8 @@ class Sightings:
     """All choices of a hand in a frame: n pairs, at the face, unseen.
 
     own (n,) cost of each pair by itself; joint (n + 2, n + 2) of two together; odds (n,) that it is
-    the right hand [log]; face_m (f, 3) places before the face; face_cost.
+    the right hand [log]; face_m (f, 3) places before the face and,
+    the last, behind the head; face_cost (f,).
     """
 
     pairs: Pairs
@@ -55,7 +56,7 @@ class Sightings:
     joint: Floats
     odds: Floats
     face_m: Floats
-    face_cost: float
+    face_cost: Floats
 
 
 def nearest_choices(seen: Sightings, hands_m: Floats, held_m: Floats) -> tuple[int, int]:
@@ -202,4 +203,5 @@ def _moved(
         m.weights,
         m.deviations_m,
     )
-    return mean, P, 0.0
+    behind = choice == len(points) - 1  # the head: believed to be there, not seen
+    return mean, P, float(h.unseen_s[side] + dt_s) if behind else 0.0
