@@ -18,6 +18,7 @@ from pjpdaf.tracker.hypotheses.split import settle
 MERGED_RATIO = 1.10  # of the remembered area: a larger blob is head and something else
 LOOSE_RATIO = 1.45  # up to this it may be the head that turned, and is learnt slowly
 PARTLY_RATIO = 0.55  # a smaller blob is not the whole head
+LIKE_LOG_AXIS = 0.10  # between the axes of a head that came nearer and the remembered ones
 MEMORY, SLOW_MEMORY = 0.15, 0.05  # shares of a sighting in the remembered area and shape
 FARTHEST_M = 0.45  # from the prediction, the more the longer it is unseen
 RESIDUAL_PX = 6.0  # rms, of two views that agree

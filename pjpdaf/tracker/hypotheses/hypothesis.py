@@ -14,6 +14,7 @@ from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 LARGEST_COST = 14.0  # of a hypothesis beyond the best; what costs more is dropped
 FORBIDDEN = 30.0
 MOTION_COST_MOST = 16.0
+BEHIND_WITHIN_S = 1.0  # after a hand was seen it may turn out to be behind the head
 SAME_M = 0.03  # hypotheses closer than this along each axis are one
 REFERENCE_SD_M = 0.03  # a hand seen where it was expected, this well, costs nothing
 LARGEST_VARIANCE_M2 = 0.25
@@ -177,6 +178,8 @@ def _alone(
     each = np.concatenate([motion, miss], axis=2)
     each[:, :, :n] += seen.own
     each[:, :, n:-1] += seen.face_cost
+    # A hand that was gone before went elsewhere.
+    each[:, :, -2] += np.where(unseen_s[..., 0] > BEHIND_WITHIN_S, FORBIDDEN, 0.0)
     return np.asarray(np.minimum(each, FORBIDDEN))
 
 
