@@ -114,6 +114,8 @@ def joint_cost(
     plain = (pairs.part == WHOLE).all(axis=1)
     plain &= area_cost(pairs, hand_area_m2, c) < HANDLIKE_COST[0]
     plain &= pairs.cost < HANDLIKE_COST[1]
+    # A bare arm has a hand too.
+    plain |= (pairs.part >= END).all(axis=1) & (pairs.cost < HANDLIKE_COST[1])
     heads = [place.blob if place is not None else -1 for place in places]
     for left, right in {(int(a), int(b)) for a, b in pairs.blob[plain]}:
         if left != heads[0] and right != heads[1]:
