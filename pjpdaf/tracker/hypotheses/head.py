@@ -158,7 +158,8 @@ def _sighting(
         information = stereo_information(
             views.jacobians(points),
             np.array([common * views.scale]),
-            np.array([between * views.scale]),
+            # Views that differ show different pieces of the head: their depth says little.
+            np.array([float(np.hypot(between * views.scale, residual[0]))]),
         )[0]
         return points[0], np.asarray(np.linalg.inv(information))
     if len(at) == 1:
