@@ -181,6 +181,9 @@ class SleeveParameters:
     # fingers on the other side [1].
     wrist_share: float = 1.0
 
+    # The same length for an end of a bare arm, which points away from the arm's middle [1].
+    bare_arm_fingers: float = 0.25
+
     def __post_init__(self) -> None:
         check_above_zero(OWNER, self, "upper_arm_m", "forearm_m", "sleeve_width_m", "swivels")
         check_not_negative(
@@ -192,6 +195,7 @@ class SleeveParameters:
             "bare_background",
             "inward_penalty",
             "finger_weight",
+            "bare_arm_fingers",
         )
 
 
