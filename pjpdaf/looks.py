@@ -9,6 +9,7 @@ import numpy as np
 from pjpdaf.arrays import Floats, Ints
 
 BACKGROUND, CLOTHED, SKIN = 0, 1, 2  # classes of a silhouette's pixels
+PIXELS, MOST = 160, 120  # of a lattice that fills an ellipse
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,14 +49,20 @@ class BlobLooks:
 
 
 def looks_of_ellipses(ellipses: Floats) -> BlobLooks:
-    """Looks of blobs of which only the ellipses (n, 5) are known: a lattice filling each."""
-    grid = np.linspace(-1.0, 1.0, 15)
-    x, y = (axis.ravel() for axis in np.meshgrid(grid, grid))
-    unit = np.column_stack([x, y])[x * x + y * y <= 1.0]
-    pixels, areas = [], []
+    """Looks of blobs of which only the ellipses (n, 5) are known: filled with one lattice's pixels.
+
+    The lattice has PIXELS in the ellipse of median area.
+    """
+    areas = np.pi * ellipses[:, 2] * ellipses[:, 3]
+    each = max(float(np.median(areas)) / PIXELS, 1e-6) if len(areas) else 1.0
+    pixels = []
     for cx, cy, a, b, angle in ellipses:
+        # So coarse that a huge ellipse has no more than MOST of them to a side.
+        step = max(each**0.5, 2 * a / MOST, 1e-6)
+        x, y = (np.arange(-(r // step), r // step + 1) * step for r in (a, b))
+        grid = np.column_stack([axis.ravel() for axis in np.meshgrid(x, y)])
+        inside = (grid[:, 0] / max(a, 1e-6)) ** 2 + (grid[:, 1] / max(b, 1e-6)) ** 2 <= 1.0
         c, s = np.cos(angle), np.sin(angle)
-        pixels.append(unit * (a, b) @ np.array([[c, s], [-s, c]]) + (cx, cy))
-        areas.append(np.pi * a * b / len(unit))
+        pixels.append(grid[inside] @ np.array([[c, s], [-s, c]]) + (cx, cy))
     none = np.zeros((len(pixels), 2))
-    return BlobLooks(tuple(pixels), float(np.median(areas)) if areas else 1.0, none, none)
+    return BlobLooks(tuple(pixels), each, none, none)

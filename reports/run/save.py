@@ -120,7 +120,7 @@ def _in_place(folder: Path) -> Iterator[Path]:
         part = part_folder(folder)
         try:
             yield part
-            _publish(part, folder)
+            publish(part, folder)
         finally:
             shutil.rmtree(part, ignore_errors=True)
 
@@ -242,8 +242,11 @@ def _write_pictures(part: Path, rows: Sequence[EpisodeRows]) -> list[dict[str, A
     return index
 
 
-def _publish(part: Path, folder: Path) -> None:
-    """Put the finished folder in place; a run that was there is moved aside first, then removed."""
+def publish(part: Path, folder: Path) -> None:
+    """Rename a whole run to its place on the same disk. Raises OSError.
+
+    A run that was there is moved aside first, then removed.
+    """
     part.chmod(0o755)
     if not folder.exists():
         part.rename(folder)

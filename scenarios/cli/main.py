@@ -13,7 +13,18 @@ import typer
 
 from pjpdaf.errors import BenchError
 from pjpdaf.unforeseen import report_unforeseen
-from scenarios.cli import cache, dataset, doctor, footage, gate, plugin, run, scenarios, stress
+from scenarios.cli import (
+    cache,
+    dataset,
+    doctor,
+    footage,
+    gate,
+    plugin,
+    run,
+    scenarios,
+    stress,
+    stress_maps,
+)
 from scenarios.cli.streams import discard_output, surviving_readers
 
 DEBUG = "--debug"
@@ -41,6 +52,9 @@ for verb in (
 app.add_typer(scenarios.app, name="scenarios")
 app.add_typer(plugin.app, name="plugin")
 app.add_typer(dataset.app, name="dataset")
+stress.app.command("map")(stress_maps.map_failures)
+stress.app.command()(stress_maps.estimate)
+stress.app.command()(stress_maps.compare)
 app.add_typer(stress.app, name="stress")
 app.add_typer(cache.app, name="cache")
 

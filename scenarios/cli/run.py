@@ -58,8 +58,9 @@ def run(
         ),
     ] = False,
     time_limit: Annotated[
-        float, typer.Option(help="How long one episode may take [s]; then it has failed.")
-    ] = 900.0,
+        float | None,
+        typer.Option(help="How long one episode may take [s]; then it has failed [900]."),
+    ] = None,
     from_: Annotated[
         Path | None,
         typer.Option(
@@ -76,14 +77,32 @@ def run(
             "--no-cache", help="Render all pictures anew; `cache info` says what is kept."
         ),
     ] = False,
+    resume: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Instead: go on with the unfinished run of this folder; so does its command.",
+        ),
+    ] = None,
 ) -> None:
     """Play scenarios, score them, print the table, save the run and its report.
 
     Without a name: the suite smoke.
     """
+    from scenarios.execute.episodes import EPISODE_TIME_LIMIT_S
     from scenarios.play.plan import PlanRequest
-    from scenarios.run.run import RunRequest, run_suite
+    from scenarios.run.request import RunRequest
+    from scenarios.run.run import resume_run, run_suite
 
+    if resume is not None:
+        asked = (targets, seeds, settings, out, only, from_, detections, first_seed, slim)
+        if any((*asked, films, lag, no_cache)) or preset != DEFAULT_PRESET:
+            raise BenchError(
+                "--resume goes on with what was asked for: beside it only --jobs, --time-limit, "
+                "and --tracker or --detector, which must be the same"
+            )
+        resume_run(resume, detector, tracker, jobs, time_limit)
+        return
     refuse_both_detectors(detections, detector)
     run_suite(
         RunRequest(
@@ -107,7 +126,7 @@ def run(
             out=out,
             argv=tuple(sys.argv[1:]),
             slim=slim,
-            time_limit_s=time_limit,
+            time_limit_s=EPISODE_TIME_LIMIT_S if time_limit is None else time_limit,
         )
     )
 

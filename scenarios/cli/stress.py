@@ -1,4 +1,4 @@
-"""The verbs of `stress`: search, shrink, replay, promote."""
+"""The verbs of `stress`: search, shrink, replay, promote; the others: `stress_maps`."""
 
 from __future__ import annotations
 

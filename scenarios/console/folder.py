@@ -11,6 +11,8 @@ from pathlib import Path
 from pjpdaf.errors import BenchError
 from sim.files import disk_faults, part_folder
 
+UNFINISHED = ".part"
+
 
 @contextmanager
 def written_whole(folder: Path) -> Iterator[Path]:
@@ -36,12 +38,20 @@ def written_whole(folder: Path) -> Iterator[Path]:
         shutil.rmtree(part, ignore_errors=True)
 
 
+def unfinished(folder: Path) -> Path:
+    """The folder of results that are not finished, and will be `folder`."""
+    return folder.with_name(folder.name + UNFINISHED)
+
+
 def default_folder(targets: Sequence[str]) -> Path:
-    """runs/NAME-DATE-TIME; a number follows where two runs start in the same second."""
+    """runs/NAME-DATE-TIME; a number follows where two runs start in the same second.
+
+    Free is a name that no run has, finished or not.
+    """
     name = "+".join(Path(target).stem for target in targets)[:60]
     base = Path("runs") / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
     folder, number = base, 2
-    while folder.exists():
+    while folder.exists() or unfinished(folder).exists():
         folder = base.with_name(f"{base.name}-{number}")
         number += 1
     return folder

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 from pjpdaf.errors import BenchError, InfrastructureError, PlugInFault
 from pjpdaf.plugins.registry import describe_exception
@@ -50,10 +51,14 @@ def _play_safely(job: Job) -> EpisodeRows | BenchError:
 def play_all(
     jobs: Sequence[Job],
     executor: Executor,
-    on_done: Callable[[EpisodeRows], None] = lambda row: None,
+    on_done: Callable[[int, EpisodeRows], None] = lambda index, rows: None,
     time_limit_s: float = EPISODE_TIME_LIMIT_S,
+    finished: Mapping[int, EpisodeRows] = MappingProxyType({}),
 ) -> PlayResults:
     """Play all jobs on an executor.
+
+    on_done: called with each episode as it is finished, and the index of its job. finished: rows
+    of episodes that are not played, by index; those that another renderer drew are.
 
     A worker that dies is replaced and its episode played again, three times at most; an episode
     over its time limit, or that raises, becomes a failed episode. Ctrl-C ends the run and keeps
@@ -61,20 +66,25 @@ def play_all(
     Raises BenchError (the first in the order of the jobs) where the user's input is at fault.
     OpenGL is needed only where a job is rendered.
     """
-    results: dict[int, EpisodeRows] = {}
+    results = dict(finished)
     interrupted = False
     renderer = ""
     try:
-        if not all(job.kept is not None or is_cached(job) for job in jobs):
+        tasks = {index: job for index, job in enumerate(jobs) if index not in results}
+        if not all(job.kept is not None or is_cached(job) for job in tasks.values()):
             renderer = _renderer_of(executor, jobs)
-        for indexed in executor.outcomes(_play_safely, dict(enumerate(jobs)), time_limit_s):
+            for index, row in finished.items():
+                if row.renderer not in ("", renderer) and renderer:
+                    tasks[index] = jobs[index]
+                    del results[index]
+        for indexed in executor.outcomes(_play_safely, tasks, time_limit_s):
             if indexed is None:
                 continue
             index, outcome = indexed
             results[index] = _rows_of_outcome(outcome, jobs[index], time_limit_s)
             if results[index].film:
                 _drop_films(results)
-            on_done(results[index])
+            on_done(index, results[index])
     except KeyboardInterrupt:
         interrupted = True
     rows = tuple(results[i] for i in sorted(results))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,7 +21,6 @@ from reports.gate.text import interval_text, number, outcome_text, unit_text
 from reports.gate.verdict import MetricVerdict, Verdict
 from reports.run.load import SavedRun, load
 from reports.run.provenance import provenance
-from reports.run.rows import EpisodeRows
 from scenarios.console.interrupts import interrupts
 from scenarios.console.progress import progress_bar
 from scenarios.run.margins import load_margins, read_margins
@@ -96,7 +95,7 @@ def _escalated(
     """The verdict after as many reserve rounds as needed, and why they cannot be played here."""
     # Late: to play takes many imports that comparing does not need.
     from scenarios.execute.local import local_executor, worker_count
-    from scenarios.run.escalate import LOOKS, CannotEscalate, escalate
+    from scenarios.run.escalate import LOOKS, CannotEscalate, OnDone, escalate
 
     workers = worker_count(request.jobs)
     first = compare(base, new, margins, looks=LOOKS)
@@ -109,9 +108,9 @@ def _escalated(
         local_executor(workers) as executor,
     ):
 
-        def on_round(number: int, episodes: int) -> Callable[[EpisodeRows], None]:
+        def on_round(number: int, episodes: int) -> OnDone:
             task = progress.add_task(f"reserve {number + 1}", total=episodes)
-            return lambda row: progress.update(task, advance=1)
+            return lambda index, rows: progress.update(task, advance=1)
 
         try:
             here = provenance()

@@ -33,7 +33,7 @@ ROUNDS = (1, 2, 4)  # times the seeds that the runs have, one round after the ot
 LOOKS = 1 + len(ROUNDS)
 PROOFS = 3  # episodes that are played again to see that this code made the runs
 
-OnDone = Callable[[EpisodeRows], None]
+OnDone = Callable[[int, EpisodeRows], None]
 OnRound = Callable[[int, int], OnDone]  # number of the round, episodes -> called for each
 
 

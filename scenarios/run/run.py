@@ -4,60 +4,48 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
 
 from pjpdaf.errors import BenchError, InfrastructureError
-from pjpdaf.presets.names import DEFAULT_PRESET
 from reports.page.page import write_page
+from reports.run.load import SavedRun
 from reports.run.rows import EpisodeRows
-from reports.run.save import check_free
 from reports.summary.budget import budget_of
 from reports.summary.causes import blame_lines, budget_line
 from reports.summary.tables import rich_table, summarise
 from reports.summary.text import count
 from scenarios.cache.report import origin_line
 from scenarios.cache.settings import cache_settings
-from scenarios.console.folder import default_folder
+from scenarios.console.folder import unfinished
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
 from scenarios.console.progress import progress_bar
-from scenarios.execute.episodes import EPISODE_TIME_LIMIT_S, PlayResults, play_all
+from scenarios.execute.episodes import PlayResults, play_all
 from scenarios.execute.executor import Executor
 from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
 from scenarios.execute.local import local_executor, worker_count
 from scenarios.play.from_dataset import open_with_sequences, renderer_of
-from scenarios.play.job import Job
-from scenarios.play.plan import PlanRequest, plan
-from scenarios.run.corpus_verdict import outcomes_of, refuse_regressions, verdict_lines
+from scenarios.play.plan import plan
+from scenarios.run.corpus_verdict import (
+    CaseOutcome,
+    outcomes_of,
+    refuse_regressions,
+    verdict_lines,
+)
+from scenarios.run.request import REQUEST, RunRequest, read_request
 from scenarios.run.save_run import save_run
+from scenarios.run.unfinished import UnfinishedRun, reserved, unfinished_run
 
 MAX_TIME_LIMIT_S = 86_400.0
 
 
-@dataclass(frozen=True)
-class RunRequest:
-    """Arguments of `run`; None: the default.
-
-    plan: the episodes; jobs: worker processes; out: folder of the saved run; argv: the command
-    line, for run.json; slim: save only what `compare` needs; time_limit_s: of one episode.
-    """
-
-    plan: PlanRequest = field(default_factory=PlanRequest)
-    preset: str = DEFAULT_PRESET
-    jobs: int | None = None
-    out: Path | None = None
-    argv: tuple[str, ...] = ()
-    slim: bool = False
-    time_limit_s: float = EPISODE_TIME_LIMIT_S
-
-
 def run_suite(request: RunRequest) -> None:
-    """Play, score, save and print.
+    """Play, score, save and print; go on with what is finished of the same run.
 
-    Raises BenchError; InfrastructureError where an episode gives no result, Interrupted after a
-    signal: what is finished is saved before.
+    Raises BenchError; InfrastructureError where an episode gives no result or the disk is full,
+    Interrupted after a signal: what is finished is kept.
     """
     if not 0 < request.time_limit_s <= MAX_TIME_LIMIT_S:
         raise BenchError(
@@ -71,18 +59,34 @@ def run_suite(request: RunRequest) -> None:
     try_plug_ins(wanted.detector if wanted.detections is None else None, wanted.tracker)
     jobs = plan(wanted)
     names = wanted.targets if wanted.dataset is None else (wanted.dataset.absolute().name,)
-    folder = request.out or default_folder(names)
-    check_free(folder)
-    with interrupts() as arrived:
-        _play_and_save(request, jobs, workers, folder, arrived)
+    with reserved(request, jobs, names) as run, interrupts() as arrived:
+        _play_and_save(request, run, workers, arrived)
+
+
+def resume_run(
+    folder: Path,
+    detector: str | None,
+    tracker: str | None,
+    jobs: int | None,
+    time_limit_s: float | None,
+) -> None:
+    """Go on with the unfinished run of a folder.
+
+    detector, tracker: of the run, as the user names them; must be given for plug-ins. jobs,
+    time_limit_s: None for the default and the run's own. Raises as `run_suite`.
+    """
+    place = unfinished_run(folder)
+    request = read_request(unfinished(place) / REQUEST, detector, tracker)
+    limit_s = request.time_limit_s if time_limit_s is None else time_limit_s
+    run_suite(replace(request, out=place, jobs=jobs, time_limit_s=limit_s))
 
 
 def _play_and_save(
-    request: RunRequest, jobs: Sequence[Job], workers: int, folder: Path, arrived: Interrupts
+    request: RunRequest, run: UnfinishedRun, workers: int, arrived: Interrupts
 ) -> None:
     started = time.perf_counter()
     with local_executor(workers) as executor:
-        played = _play_with_progress(jobs, executor, request.time_limit_s, arrived)
+        played = _play_with_progress(run, executor, request.time_limit_s, arrived)
     # From here on signals are only counted: saving goes on to its end.
     if request.plan.dataset is not None:
         dataset = open_with_sequences(request.plan.dataset)
@@ -90,15 +94,39 @@ def _play_and_save(
     if not played.rows:
         raise Interrupted("interrupted before any episode was finished; nothing saved")
     wall_s = time.perf_counter() - started
-    saved = save_run(
-        request.plan,
-        jobs,
-        played,
-        folder,
-        preset=request.preset,
-        argv=request.argv,
-        slim=request.slim,
-    )
+    with run.kept_after_faults():
+        saved = save_run(
+            request.plan,
+            run.jobs,
+            played,
+            run.staged,
+            preset=request.preset,
+            argv=request.argv,
+            slim=request.slim,
+        )
+        if not request.slim:
+            write_page([saved], run.staged / "report.html")
+    run.publish(complete=saved.meta["complete"])
+    corpus = outcomes_of(request.plan.targets, run.jobs, played.rows)
+    _print_results(request, run, played, saved, corpus, wall_s, workers)
+    if arrived.arrived:
+        raise Interrupted(
+            f"interrupted: {len(played.rows)} of {len(run.jobs)} episodes are in the saved run; "
+            f"`pjpdaf-bench run --resume {run.shown}` goes on"
+        )
+    refuse_failures(played)
+    refuse_regressions(corpus)
+
+
+def _print_results(
+    request: RunRequest,
+    run: UnfinishedRun,
+    played: PlayResults,
+    saved: SavedRun,
+    corpus: Sequence[CaseOutcome],
+    wall_s: float,
+    workers: int,
+) -> None:
     out = Console()
     out.print(rich_table(summarise(saved)))
     for line in blame_lines(saved.events):
@@ -106,28 +134,22 @@ def _play_and_save(
     if (budget := budget_of(saved)) is not None:
         out.print(budget_line(budget), highlight=False)
     frames = sum(row.frame_count for row in played.rows)
+    now = frames - sum(row.frame_count for row in run.finished.values())
+    kept = f"; {len(run.finished)} were there" if run.finished else ""
     out.print(
         f"{count(len(played.rows), 'episode')}, {count(frames, 'stereo frame')} in {wall_s:.0f} s "
-        f"({frames / wall_s:.1f} a second, {workers} workers)",
+        f"({max(now, 0) / wall_s:.1f} a second, {workers} workers){kept}",
         highlight=False,
     )
     settings = cache_settings() if request.plan.use_cache else None
     if origin := origin_line(played.rows, settings):
         out.print(origin, highlight=False, soft_wrap=True)
-    corpus = outcomes_of(request.plan.targets, jobs, played.rows)
     for line in verdict_lines(corpus):
         out.print(line, highlight=False, soft_wrap=True)
     if request.slim:
-        out.print(f"slim run: {folder}", highlight=False, soft_wrap=True)
+        out.print(f"slim run: {run.shown}", highlight=False, soft_wrap=True)
     else:
-        page = write_page([saved], folder / "report.html")
-        out.print(f"report: {page}", highlight=False, soft_wrap=True)
-    if arrived.arrived:
-        raise Interrupted(
-            f"interrupted: {len(played.rows)} of {len(jobs)} episodes are in the saved run"
-        )
-    refuse_failures(played)
-    refuse_regressions(corpus)
+        out.print(f"report: {run.shown / 'report.html'}", highlight=False, soft_wrap=True)
 
 
 def refuse_failures(played: PlayResults) -> None:
@@ -142,14 +164,17 @@ def refuse_failures(played: PlayResults) -> None:
 
 
 def _play_with_progress(
-    jobs: Sequence[Job], executor: Executor, time_limit_s: float, arrived: Interrupts
+    run: UnfinishedRun, executor: Executor, time_limit_s: float, arrived: Interrupts
 ) -> PlayResults:
+    """Play what is not finished; each episode is kept as it is finished."""
     with progress_bar(Console(stderr=True)) as progress:
-        task = progress.add_task("starting", total=len(jobs))
+        finished = len(run.finished)
+        task = progress.add_task("starting", total=len(run.jobs), completed=finished)
 
-        def on_done(row: EpisodeRows) -> None:
+        def on_done(index: int, row: EpisodeRows) -> None:
+            run.keep(run.jobs[index], row)
             label = f"{row.scenario} seed {row.seed}"
             progress.update(task, advance=1, description=label)
 
         with arrived.raising():
-            return play_all(jobs, executor, on_done, time_limit_s)
+            return play_all(run.jobs, executor, on_done, time_limit_s, run.finished)

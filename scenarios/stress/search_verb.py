@@ -93,6 +93,14 @@ def goals_of(text: str) -> tuple[Goal, ...]:
     return tuple(goal for goal in GOALS if goal in words)
 
 
+def goal_of(text: str) -> Goal:
+    """The one goal of `--find`. Raises BenchError."""
+    goals = goals_of(text)
+    if len(goals) != 1:
+        raise BenchError(f"--find {text}: must be one of {', '.join(GOALS)}")
+    return goals[0]
+
+
 def known_cases(space: Space) -> tuple[Case, ...]:
     """The shipped corpus's cases of a family, inside its space; files of other versions are not."""
     cases = []
@@ -187,9 +195,9 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound]) -> None:
             highlight=False,
             soft_wrap=True,
         )
+        if result.found:
+            out.print(failure_table(search.space.family.name, result.found))
     found = [one for result in results for one in result.found]
-    if found:
-        out.print(failure_table(found))
     rendered = [one for one in found if one.full is not None]
     if rendered:
         confirmed = sum(one.confirmed for one in rendered)

@@ -15,6 +15,7 @@ from pjpdaf.tracker.hypotheses.split import ends, halves, outside, pieces
 
 WHOLE, HALF, OTHER_HALF, BESIDE, END, OTHER_END = range(6)  # parts of a blob
 LONGEST_FINGERS = 0.4  # of the square root of the area
+APART, KEPT = 1.1, (0.4, 1.1)  # shares of two halves' distance: hands side by side; at all
 PIECES = 3  # beside the head, at most
 
 
@@ -23,7 +24,7 @@ class Candidates:
     """Candidates of one view.
 
     centres_px (c, 2); areas_px (c,); blob (c,) and part (c,), WHOLE .. OTHER_END; palm_px (c, 2)
-    from the centre to the middle of the palm, 0 for parts.
+    from the centre to the middle of the palm, 0 for parts; pixels of parts (k, 2), else None.
     """
 
     centres_px: Floats
@@ -31,6 +32,7 @@ class Candidates:
     blob: Ints
     part: Ints
     palm_px: Floats
+    pixels: tuple[Floats | None, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,28 +48,36 @@ class HeadPlace:
 
 
 class Candidate(NamedTuple):
-    """One candidate: centre (2,) [px], area [px], part."""
+    """One candidate: centre (2,) [px], area [px], part, pixels (k, 2) of a half or a piece."""
 
     centre_px: Floats
     area_px: float
     part: int
+    pixels: Floats | None = None
 
 
 def candidates(
-    view: Blobs, head: HeadPlace | None, metre_px: float, bare: bool, p: CandidateParameters
+    view: Blobs,
+    head: HeadPlace | None,
+    metre_px: float,
+    hand_area_m2: float,
+    bare: bool,
+    p: CandidateParameters,
 ) -> Candidates:
     """All candidates of a view; the blob of the head offers only what is beside the head.
 
-    metre_px: pixels of a metre where hands are. bare: the person's forearms are bare, so that the
-    hand is an end of a long blob. head: None before the start, when each blob counts as it is too.
+    metre_px: pixels of a metre where hands are; hand_area_m2: of a whole hand. bare: the person's
+    forearms are bare, so that the hand is an end of a long blob. head: None before the start, when
+    each blob counts as it is too.
     """
+    hand_px = hand_area_m2 * metre_px**2
     chosen: list[Candidate] = []
     blob: list[int] = []
     for i in range(len(view)):
         if head is not None and i == head.blob:
-            here = [] if head.free else list(_beside(view, head, metre_px, p))
+            here = [] if head.free else list(_beside(view, head, metre_px, hand_px, p))
         else:
-            here = list(_of_blob(view, i, metre_px, bare, head is None, p))
+            here = list(_of_blob(view, i, metre_px, hand_px, bare, head is None, p))
         chosen += here
         blob += [i] * len(here)
     part = np.array([c.part for c in chosen], np.intp)
@@ -82,11 +92,18 @@ def candidates(
         blobs,
         part,
         palm,
+        tuple(c.pixels for c in chosen),
     )
 
 
 def _of_blob(
-    view: Blobs, i: int, metre_px: float, bare: bool, always: bool, p: CandidateParameters
+    view: Blobs,
+    i: int,
+    metre_px: float,
+    hand_px: float,
+    bare: bool,
+    always: bool,
+    p: CandidateParameters,
 ) -> Iterator[Candidate]:
     pixels, area = view.looks.pixels[i], float(view.areas_px[i])
     arm = bare and p.ends and view.length_m(i, metre_px) > p.hand_length_m and len(pixels) >= 8
@@ -97,18 +114,26 @@ def _of_blob(
     if not arm or always:  # the head itself may be long
         yield Candidate(view.centres_px[i], area, WHOLE)
     if p.halves and area > p.split_area_m2 * metre_px**2:
-        yield from _halves(pixels, area, p)
+        yield from _halves(pixels, area, hand_px, p)
 
 
-def _halves(pixels: Floats, area_px: float, p: CandidateParameters) -> Iterator[Candidate]:
-    two = halves(pixels, p.draw_together)
+def _halves(
+    pixels: Floats, area_px: float, hand_px: float, p: CandidateParameters
+) -> Iterator[Candidate]:
+    """Two hands of which one hides a part of the other are nearer than the blob's halves.
+
+    How much is hidden shows in the area.
+    """
+    hidden = 1.0 - area_px / (2.0 * hand_px)
+    two = halves(pixels, float(np.clip(APART - p.draw_together * hidden, *KEPT)))
     if two is not None:
         for k in range(2):
-            yield Candidate(two[0][k], area_px * float(two[1][k]), HALF + k)
+            share = len(two[1][k]) / len(pixels)
+            yield Candidate(two[0][k], area_px * share, HALF + k, two[1][k])
 
 
 def _beside(
-    view: Blobs, head: HeadPlace, metre_px: float, p: CandidateParameters
+    view: Blobs, head: HeadPlace, metre_px: float, hand_px: float, p: CandidateParameters
 ) -> Iterator[Candidate]:
     """Pieces of the head's blob outside the head, and halves of a piece as large as two hands."""
     if not p.beside_head:
@@ -118,6 +143,6 @@ def _beside(
     least = max(int(p.beside_area_m2 * metre_px**2 / each), 6)
     for piece in pieces(left, each**0.5, least)[:PIECES]:
         area = len(piece) * each
-        yield Candidate(piece.mean(axis=0), area, BESIDE)
+        yield Candidate(piece.mean(axis=0), area, BESIDE, piece)
         if p.halves and area > 1.2 * p.split_area_m2 * metre_px**2:
-            yield from _halves(piece, area, p)
+            yield from _halves(piece, area, hand_px, p)

@@ -14,6 +14,7 @@ from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 LARGEST_COST = 14.0  # of a hypothesis beyond the best; what costs more is dropped
 FORBIDDEN = 30.0
 MOTION_COST_MOST = 16.0
+BEHIND_WITHIN_S = 1.0  # after a hand was seen it may turn out to be behind the head
 SAME_M = 0.03  # hypotheses closer than this along each axis are one
 REFERENCE_SD_M = 0.03  # a hand seen where it was expected, this well, costs nothing
 LARGEST_VARIANCE_M2 = 0.25
@@ -47,7 +48,8 @@ class Sightings:
     """All choices of a hand in a frame: n pairs, at the face, unseen.
 
     own (n,) cost of each pair by itself; joint (n + 2, n + 2) of two together; odds (n,) that it is
-    the right hand [log]; face_m (3,) a hand before the face; face_cost.
+    the right hand [log]; face_m (f, 3) places before the face and,
+    the last, behind the head; face_cost (f,).
     """
 
     pairs: Pairs
@@ -55,7 +57,7 @@ class Sightings:
     joint: Floats
     odds: Floats
     face_m: Floats
-    face_cost: float
+    face_cost: Floats
 
 
 def nearest_choices(seen: Sightings, hands_m: Floats, held_m: Floats) -> tuple[int, int]:
@@ -67,10 +69,10 @@ def nearest_choices(seen: Sightings, hands_m: Floats, held_m: Floats) -> tuple[i
     n = len(seen.pairs)
     chosen = []
     for hand, held in zip(hands_m, held_m, strict=True):
-        places = np.concatenate([seen.pairs.points_m, seen.face_m[None], held[None]])
+        places = np.concatenate([seen.pairs.points_m, seen.face_m, held[None]])
         distance = np.linalg.norm(places - hand, axis=1)
         shown = n > 0 and distance[:n].min() < SHOWN_M
-        chosen.append(int(distance[: n if shown else n + 2].argmin()))
+        chosen.append(int(distance[: n if shown else len(distance)].argmin()))
     return chosen[0], chosen[1]
 
 
@@ -87,19 +89,24 @@ def grow(
     of equal places once. Costs are shifted so that the smallest is 0. only: the choices of right
     and left where they are known.
     """
-    points = np.concatenate([seen.pairs.points_m, seen.face_m[None]])
-    C = np.concatenate([seen.pairs.covariances_m2, np.eye(3)[None] * p.noise.face_m**2])
+    k = len(seen.face_m)
+    points = np.concatenate([seen.pairs.points_m, seen.face_m])
+    C_face = np.tile(np.eye(3) * p.noise.face_m**2, (k, 1, 1))
+    C = np.concatenate([seen.pairs.covariances_m2, C_face])
     each = _alone(hypotheses, seen, points, C, dt_s, p)
-    doubt = np.concatenate([seen.odds, [0.0, 0.0]])
+    doubt = np.concatenate([seen.odds, np.zeros(k + 1)])
+    n = len(seen.pairs)
+    rows = np.array([*range(n), *[n] * k, n + 1])
+    joint = seen.joint[np.ix_(rows, rows)]
     # The cost of the less likely side; the likelier costs nothing.
     against_right, against_left = np.maximum(-doubt, 0.0), np.maximum(doubt, 0.0)
     sleeve = against_right[:, None] + against_left[None, :]
     kept = np.array([h.evidence for h in hypotheses]) * _kept_share(seen.odds, dt_s, p)
-    base = np.array([h.cost for h in hypotheses])[:, None, None] + seen.joint[None]
+    base = np.array([h.cost for h in hypotheses])[:, None, None] + joint[None]
     base = base + each[:, 0, :, None] + each[:, 1, None, :]
     total = base + kept[:, None, None] + sleeve[None]
     if only is not None:
-        ruled_out = np.full(seen.joint.shape, np.inf)
+        ruled_out = np.full(joint.shape, np.inf)
         ruled_out[only] = 0.0
         total = total + ruled_out
     flat = total.ravel()
@@ -170,7 +177,9 @@ def _alone(
     miss = np.where(unseen_s > 0, c.stay_hidden, c.miss)
     each = np.concatenate([motion, miss], axis=2)
     each[:, :, :n] += seen.own
-    each[:, :, n] += seen.face_cost
+    each[:, :, n:-1] += seen.face_cost
+    # A hand that was gone before went elsewhere.
+    each[:, :, -2] += np.where(unseen_s[..., 0] > BEHIND_WITHIN_S, FORBIDDEN, 0.0)
     return np.asarray(np.minimum(each, FORBIDDEN))
 
 
@@ -197,4 +206,5 @@ def _moved(
         m.weights,
         m.deviations_m,
     )
-    return mean, P, 0.0
+    behind = choice == len(points) - 1  # the head: believed to be there, not seen
+    return mean, P, float(h.unseen_s[side] + dt_s) if behind else 0.0

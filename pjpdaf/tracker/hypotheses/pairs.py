@@ -11,6 +11,7 @@ from pjpdaf.arrays import Floats, Ints
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.border import agreed_centres, cut_sides
 from pjpdaf.tracker.hypotheses.candidates import BESIDE, END, WHOLE, Candidates
+from pjpdaf.tracker.hypotheses.contour import RowEnds, disparity, row_ends, row_shift
 from pjpdaf.tracker.hypotheses.geometry import Views, stereo_information
 from pjpdaf.tracker.hypotheses.parameters import CostParameters, NoiseParameters
 
@@ -20,8 +21,11 @@ WHOLE_COST = 2.0  # two blobs agree as they are below this cost
 PART_M = 0.30  # parts of a blob are no further from its centre
 ALONG_RAY_M = 0.12  # deviation of the depth of a hand that only one view shows
 LOG_AREA_SD = 0.5  # between the areas that two views show
+ALIKE_LOG_AREA = 0.15  # what the views' directions alone make of it
+MOST_CHANGE_PX = 8.0  # of a part's place, by its outline
 CUT_ROWS_PX = 25.0  # from the row that is expected, of a hand that the picture's edge cuts
 PARTNER_M = 0.35
+MOST_CHANGE_PX = 8.0  # of a part's place, by its outline
 CUT_ROWS_PX = 25.0  # from the row that is expected, of a hand that the picture's edge cuts
 PARTNER_M = 0.35  # from where some hand is expected
 SANE_COST = 8.0  # of the epipolar error
@@ -32,7 +36,7 @@ class Pairs:
     """Sightings of a hand.
 
     points_m (n, 3); covariances_m2 (n, 3, 3); areas_m2 (n,); cost (n,) of each by itself; blob
-    (n, 2) and part (n, 2) in each view, -1 where it is unseen.
+    (n, 2), part (n, 2) and candidate (n, 2) in each view, -1 where it is unseen.
     """
 
     points_m: Floats
@@ -41,6 +45,7 @@ class Pairs:
     cost: Floats
     blob: Ints
     part: Ints
+    candidate: Ints
 
     def __len__(self) -> int:
         return len(self.points_m)
@@ -53,6 +58,7 @@ class Pairs:
             self.cost[chosen],
             self.blob[chosen],
             self.part[chosen],
+            self.candidate[chosen],
         )
 
 
@@ -62,14 +68,14 @@ def pair_candidates(
     expected_m: Floats,
     noise: NoiseParameters,
     costs: CostParameters,
-    cut: tuple[Blobs, ...] | None = None,
+    seen: tuple[Blobs, ...] | None = None,
 ) -> Pairs:
     """All stereo-consistent pairs, and single sightings of candidates without a partner.
 
-    expected_m (h, 3): where hands are expected, which gives a single sighting its depth. cut: the
-    views' blobs, where those that the picture's edge cuts are to be corrected.
+    expected_m (h, 3): where hands are expected, which gives a single sighting its depth. seen: the
+    views' blobs, for places and depths from their outlines.
     """
-    double = _stereo(views, candidates, expected_m, noise, costs, cut)
+    double = _stereo(views, candidates, expected_m, noise, costs, seen)
     singles = [_single(views, v, candidates[v], double, expected_m, noise, costs) for v in range(2)]
     return _joined([double, *singles])
 
@@ -80,16 +86,16 @@ def _stereo(
     expected_m: Floats,
     noise: NoiseParameters,
     costs: CostParameters,
-    cut: tuple[Blobs, ...] | None,
+    seen: tuple[Blobs, ...] | None,
 ) -> Pairs:
     left, right = candidates
     i, j = (a.ravel() for a in np.indices((len(left.blob), len(right.blob))))
     whole = (left.part[i] == WHOLE) & (right.part[j] == WHOLE)
     left_px, right_px = left.centres_px[i], right.centres_px[j]
     corrected = np.zeros(len(i), np.bool_)
-    if cut is not None and whole.any():
+    if seen is not None and costs.cut_hands and whole.any():
         blobs = np.stack([left.blob[i], right.blob[j]], axis=1)
-        corrected = _correct_cut(views, cut, blobs, whole, left_px, right_px)
+        corrected = _correct_cut(views, seen, blobs, whole, left_px, right_px)
     points, residual = views.triangulate(left_px, right_px)
     _, depth = views.project(points)
     size = (depth / views.focal_px[:, None]) ** 2
@@ -108,8 +114,14 @@ def _stereo(
         reach = np.linalg.norm(points[:, None] - expected_m[None], axis=2).min(axis=1)
         sane &= reach < FARTHEST_MOVE_M
     i, j, points, whole = i[sane], j[sane], points[sane], (whole & ~corrected)[sane]
+    if seen is not None and costs.contours:
+        points = _by_contours(views, seen, candidates, i, j, points)
     common = np.where(whole, noise.whole_px[0], noise.part_px[0]) * views.scale
     apart = np.where(whole, noise.whole_px[1], noise.part_px[1]) * views.scale
+    # What one view alone hides of a hand has moved that view's centre alone.
+    unlike = np.maximum(np.abs(ratio[sane]) * LOG_AREA_SD - ALIKE_LOG_AREA, 0.0)
+    radius_px = np.sqrt(np.maximum(left.areas_px[i], right.areas_px[j]) / np.pi)
+    apart = np.hypot(apart, noise.hidden_share * unlike * radius_px)
     information = stereo_information(views.jacobians(points), common, apart)
     return Pairs(
         points + _to_palms(views, left.palm_px[i], right.palm_px[j], depth[:, sane]),
@@ -118,6 +130,7 @@ def _stereo(
         own[sane],
         np.stack([left.blob[i], right.blob[j]], axis=1),
         np.stack([left.part[i], right.part[j]], axis=1),
+        np.stack([i, j], axis=1),
     )
 
 
@@ -143,6 +156,51 @@ def _correct_cut(
             left_px[k], right_px[k] = centres
             corrected[k] = True
     return corrected
+
+
+def _by_contours(
+    views: Views,
+    seen: tuple[Blobs, ...],
+    candidates: tuple[Candidates, Candidates],
+    i: Ints,
+    j: Ints,
+    points: Floats,
+) -> Floats:
+    """Points (n, 3) of parts with the depth of their own outlines, where these show it.
+
+    The line that splits a blob says nothing of the depth of either part.
+    """
+    left, right = candidates
+    step = seen[0].looks.pixel_area_px ** 0.5
+    ends: dict[tuple[int, int], RowEnds] = {}
+
+    def of(view: int, k: int) -> RowEnds:
+        if (view, k) not in ends:
+            part, c = candidates[view].pixels[k], candidates[view]
+            assert part is not None
+            down = row_shift(views, c.centres_px[k]) if view else 0.0
+            ends[view, k] = row_ends(part, seen[view].looks.pixels[c.blob[k]], step, down)
+        return ends[view, k]
+
+    left_px, right_px = left.centres_px[i].copy(), right.centres_px[j].copy()
+    changed = []
+    for n, (a, b) in enumerate(zip(i.tolist(), j.tolist(), strict=True)):
+        if left.pixels[a] is None or right.pixels[b] is None:
+            continue
+        wanted = disparity(of(0, a), of(1, b))
+        if wanted is None:
+            continue
+        change = 0.5 * (wanted - (left_px[n, 0] - right_px[n, 0]))
+        if abs(change) > MOST_CHANGE_PX * views.scale:
+            continue
+        left_px[n, 0] += change
+        right_px[n, 0] -= change
+        changed.append(n)
+    if not changed:
+        return points
+    moved = points.copy()
+    moved[changed] = views.triangulate(left_px[changed], right_px[changed])[0]
+    return moved
 
 
 def _to_palms(views: Views, left_px: Floats, right_px: Floats, depth: Floats) -> Floats:
@@ -210,9 +268,12 @@ def _single(
     size = (depth_m / views.focal_px[view]) ** 2
     blob, part = np.full((len(at), 2), -1), np.full((len(at), 2), -1)
     blob[:, view], part[:, view] = candidates.blob[at], candidates.part[at]
+    candidate = np.full((len(at), 2), -1)
+    candidate[:, view] = at
     cost = np.full(len(at), costs.single_view)
     covariances = np.asarray(np.linalg.inv(information))
-    return Pairs(points, covariances, candidates.areas_px[at] * size, cost, blob, part)
+    areas = candidates.areas_px[at] * size
+    return Pairs(points, covariances, areas, cost, blob, part, candidate)
 
 
 def _joined(parts: list[Pairs]) -> Pairs:
@@ -223,4 +284,5 @@ def _joined(parts: list[Pairs]) -> Pairs:
         np.concatenate([p.cost for p in parts]),
         np.concatenate([p.blob for p in parts]),
         np.concatenate([p.part for p in parts]),
+        np.concatenate([p.candidate for p in parts]),
     )

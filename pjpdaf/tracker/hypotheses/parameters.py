@@ -22,10 +22,8 @@ class CandidateParameters:
     ends: bool = True
     # Pieces of the head, as a fringe or glasses cut it, are one blob.
     join_head: bool = True
-    # Hands that the picture's edge cuts in one view have their depth from the side that is left.
-    cut_hands: bool = True
-    # Share of the distance of two halves' centres that is kept [1]: cut, they are too far apart.
-    draw_together: float = 0.7
+    # How much of two halves' distance goes for each share of two hands' area that is hidden [1].
+    draw_together: float = 1.5
     # Share of the vector from centroid to palm by which a whole hand's centre is moved [1].
     palm: float = 0.75
     # Smallest blob that is split [m^2].
@@ -75,11 +73,17 @@ class NoiseParameters:
     whole_px: tuple[float, float] = (2.5, 0.7)
     # Of parts of blobs [px at 640 columns].
     part_px: tuple[float, float] = (8.0, 2.0)
+    # Of a whole hand's centre between the views, in its radii for each unit of the logarithm by
+    # which the views' areas differ: one view alone hides a part of it [1].
+    hidden_share: float = 0.35
     # Of a hand somewhere at the face, per axis [m].
     face_m: float = 0.06
+    # Places before the face, from its middle: sideways and up or down [m]; 0 = its middle alone.
+    face_reach_m: float = 0.05
 
     def __post_init__(self) -> None:
         check_above_zero(OWNER, self, "face_m")
+        check_not_negative(OWNER, self, "hidden_share", "face_reach_m")
 
 
 @dataclass(frozen=True)
@@ -94,6 +98,10 @@ class CostParameters:
     log_area_up_sd: float = 0.35
     # Share of a frame in the learnt area [1].
     area_memory: float = 0.1
+    # Hands that the picture's edge cuts in one view have their depth from the side that is left.
+    cut_hands: bool = True
+    # Parts of a blob have their depth from the outlines that are their own.
+    contours: bool = True
     # A blob like a hand that is nobody's.
     unexplained: float = 6.0
     # A blob like a hand that only one view shows and is nobody's.
@@ -103,6 +111,8 @@ class CostParameters:
     stay_hidden: float = 5.0
     # A hand at the face while the head's blob hides it.
     face: float = 4.0
+    # A hand behind the head; 0 = no hand is taken to be there.
+    behind: float = 1.0
     # Two hands on one blob, undivided.
     same_blob: float = 4.0
     # A half whose other half is nobody's.
@@ -131,6 +141,7 @@ class CostParameters:
             "miss",
             "stay_hidden",
             "face",
+            "behind",
             "same_blob",
             "lone_half",
             "split",
@@ -170,6 +181,9 @@ class SleeveParameters:
     # fingers on the other side [1].
     wrist_share: float = 1.0
 
+    # The same length for an end of a bare arm, which points away from the arm's middle [1].
+    bare_arm_fingers: float = 0.25
+
     def __post_init__(self) -> None:
         check_above_zero(OWNER, self, "upper_arm_m", "forearm_m", "sleeve_width_m", "swivels")
         check_not_negative(
@@ -181,6 +195,7 @@ class SleeveParameters:
             "bare_background",
             "inward_penalty",
             "finger_weight",
+            "bare_arm_fingers",
         )
 
 
@@ -189,7 +204,7 @@ class OffsetParameters:
     """From the centre of the visible skin to the centre of the body, camera axes [m]."""
 
     hand_offset_m: tuple[float, float, float] = (0.0, -0.003, 0.008)
-    head_offset_m: tuple[float, float, float] = (0.0, -0.027, 0.015)
+    head_offset_m: tuple[float, float, float] = (0.0, -0.027, 0.010)
     # Share of the height by which the hair's top is above the average that the centre of the head's
     # skin is lower, fitted [1].
     crown_share: float = 0.74

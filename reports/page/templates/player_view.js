@@ -1,5 +1,9 @@
 // The two camera views, large in the player and small elsewhere on the page.
-const DETECTED = "#ffe45c";
+const DETECTED = "#ffe45c", WRONG = "#eb2e2e", LOST_MM = 150;
+
+const exchanged = (ep, i) => ep.events.some((e) => e.kind === "swap" && e.first <= ep.frames[i] && ep.frames[i] <= e.last);
+// A line leads from an estimate to its own truth where it is far off, or where the hands are exchanged.
+const wrong = (ep, i, t) => ep.mm[t][i] > LOST_MM || (t > 0 && exchanged(ep, i));
 
 let ink = {};
 function readTheme() {
@@ -59,6 +63,11 @@ function drawView(ctx, box, ep, i, v, image, show) {
     ctx.beginPath(); ctx.moveTo(x - r, y); ctx.lineTo(x + r, y); ctx.moveTo(x, y - r); ctx.lineTo(x, y + r);
     strokeWithHalo(ctx, 2 * big, BRIGHT[t]);
   }
+  for (let t = 0; t < 3 && show.truth && show.estimates; t++) {
+    const from = project(camera, ep.estimates[t], i), to = project(camera, ep.truth[t], i);
+    if (!from || !to || Number.isNaN(from[0]) || !wrong(ep, i, t)) continue;
+    ctx.beginPath(); ctx.moveTo(...at(from)); ctx.lineTo(...at(to)); strokeWithHalo(ctx, 3.4 * big, WRONG);
+  }
   for (let t = 0; t < 3 && show.estimates; t++) {
     const p = project(camera, ep.estimates[t], i);
     if (!p || Number.isNaN(p[0])) continue;
@@ -68,6 +77,12 @@ function drawView(ctx, box, ep, i, v, image, show) {
     ctx.setLineDash([]);
     const tx = Math.min(Math.max(x + 14 * big, 2), box.w - 14), ty = Math.min(Math.max(y - 10 * big, 13), box.h - 4);
     drawLetter(ctx, t, Math.round(13 * big), ink.font, tx, ty);
+  }
+  if (show.notes && show.estimates && exchanged(ep, i)) {
+    ctx.font = `600 ${Math.round(13 * big)}px ${ink.font}`; ctx.textAlign = "left";
+    const words = "left and right exchanged", long = ctx.measureText(words).width;
+    ctx.fillStyle = WRONG; ctx.fillRect(8, 8, long + 14, 20 * big + 2);
+    ctx.fillStyle = "#fff"; ctx.fillText(words, 15, 8 + 15 * big);
   }
   ctx.restore();
 }

@@ -40,13 +40,14 @@ class Adaptation:
     runs: int
 
 
-def pilot_round(play: Play, seed: int, n: int, d: int) -> Round:
+def pilot_round(play: Play, seed: int, n: int, d: int, stream: str = "") -> Round:
     """The first round: n draws of the nominal distribution of d latents."""
-    latents = normal_draws(seed, "adapt0", n, d)
-    return Round(latents, play(latents, noise_seeds(seed, "adapt0", n)), None)
+    stage = f"{stream}adapt0"
+    latents = normal_draws(seed, stage, n, d)
+    return Round(latents, play(latents, noise_seeds(seed, stage, n)), None)
 
 
-def adapt(play: Play, seed: int, pilot: Round) -> Adaptation:
+def adapt(play: Play, seed: int, pilot: Round, stream: str = "") -> Adaptation:
     """Fit a proposal to the failures in at most `MOST_ROUNDS` rounds, each as large as the pilot.
 
     It is fitted to the failures of all rounds so far, or while these are fewer than `ELITE` to the
@@ -59,7 +60,7 @@ def adapt(play: Play, seed: int, pilot: Round) -> Adaptation:
         failures = sum(int(r.failed.sum()) for r in rounds)
         if failures >= ENOUGH or len(rounds) == MOST_ROUNDS:
             return Adaptation(proposal if failures else None, n * len(rounds))
-        stage = f"adapt{len(rounds)}"
+        stage = f"{stream}adapt{len(rounds)}"
         latents, _ = proposal.sample(seed, stage, n)
         rounds.append(Round(latents, play(latents, noise_seeds(seed, stage, n)), proposal))
 

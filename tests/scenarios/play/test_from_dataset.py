@@ -129,7 +129,8 @@ SCRIPT = """
 import sys
 from pathlib import Path
 from scenarios.play.plan import PlanRequest
-from scenarios.run.run import RunRequest, run_suite
+from scenarios.run.request import RunRequest
+from scenarios.run.run import run_suite
 out, jobs, dataset = sys.argv[1:]
 plan = PlanRequest(keep_pictures=True, keep_films=True, dataset=Path(dataset))
 run_suite(RunRequest(plan, jobs=int(jobs), out=Path(out)))

@@ -89,7 +89,7 @@ def test_a_round_is_played_for_both_saved_and_joined(executor, runs, tmp_path):
     done = []
 
     def on_round(number, episodes):
-        return lambda row: done.append(episodes)
+        return lambda index, rows: done.append(episodes)
 
     grown = play_round(runs, plans, 0, executor, tmp_path, on_round)
     assert done == [4] * 4
@@ -209,7 +209,7 @@ def test_the_reserve_decides_what_two_seeds_cannot(executor, runs, tmp_path):
 
     def on_round(number, episodes):
         rounds.append(episodes)
-        return lambda row: None
+        return lambda index, rows: None
 
     assert compare(base, new, looks=LOOKS).verdict == "inconclusive"
     verdict = escalate(base, new, {}, executor, tmp_path, on_round, here)

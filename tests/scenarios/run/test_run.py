@@ -11,13 +11,14 @@ import pytest
 from commands import (
     ENVIRONMENT,
     LIMIT_S,
+    assert_one_line,
     command,
     in_this_process,
     pending,
     started,
     wait_until,
 )
-from made_dataset import made_dataset
+from made_dataset import contents, made_dataset
 
 from pjpdaf.errors import BenchError
 from reports.run.load import load
@@ -25,7 +26,9 @@ from reports.run.rows import rows_of
 from reports.run.save import RunInfo, save
 from scenarios.execute.episodes import EPISODE_TIME_LIMIT_S, play_all
 from scenarios.play.job import Job, System
+from scenarios.play.plan import PlanRequest, plan
 from scenarios.play.play import play_complete
+from scenarios.run.save_run import save_run
 from scenarios.spec.names import load_scenario
 from sim.processes import ATTEMPTS
 
@@ -154,6 +157,8 @@ def test_an_interrupted_run_keeps_what_is_finished(tmp_path, footage, number, se
     assert process.returncode == 130, said
     assert_two_episodes_are_saved(tmp_path / "r")
     assert "interrupted: 2 of 4 episodes are in the saved run" in said
+    assert "`pjpdaf-bench run --resume r` goes on" in said
+    assert (tmp_path / "r.part" / "request.json").is_file()
     assert (tmp_path / "r" / "report.html").is_file()
 
 
@@ -175,6 +180,42 @@ def test_a_run_in_a_terminal_that_is_closed_keeps_what_is_finished(tmp_path, foo
     assert process.returncode == 130
     assert_two_episodes_are_saved(tmp_path / "r")
     assert (tmp_path / "r" / "report.html").is_file()
+
+
+def test_a_killed_run_goes_on_and_ends_as_if_undisturbed(tmp_path, monkeypatch, footage, executor):
+    setting = "detector.background_learn_min=2"
+    words = ("run", "--from", footage, "--set", setting, "--jobs", "1", "--films", "--out", "r")
+    process = started(*words, cwd=tmp_path)
+    journal = tmp_path / "r.part" / "journal.bin"
+    wait_until(lambda: journal.exists() and journal.stat().st_size > 5000, process)
+    process.kill()
+    process.communicate(timeout=LIMIT_S)
+    assert not (tmp_path / "r").exists()
+
+    monkeypatch.chdir(tmp_path)
+    done = in_this_process("run", "--resume", "r", "--jobs", "1")
+    assert done.returncode == 0, done.stderr
+    assert "were there" in done.stdout
+    assert [path.name for path in tmp_path.iterdir()] == ["r"]
+
+    request = PlanRequest(settings=(setting,), keep_pictures=True, keep_films=True, dataset=footage)
+    jobs = plan(request)
+    played = play_all(jobs, executor)
+    undisturbed = save_run(request, jobs, played, tmp_path / "undisturbed" / "r").folder
+    mine, theirs = contents(tmp_path / "r"), contents(undisturbed)
+    assert mine.keys() - theirs.keys() == {"report.html"}
+    assert [file for file in theirs if mine[file] != theirs[file]] == ["run.json"]
+    metas = [load(run).meta for run in (tmp_path / "r", undisturbed)]
+    differing = {key for key in metas[0] if metas[0][key] != metas[1][key]}
+    assert differing <= {"timing", "provenance"}
+
+
+def test_resume_takes_no_other_request(tmp_path):
+    for words in (("cross",), ("--seeds", "2"), ("--set", "frames=2"), ("--no-cache",)):
+        done = in_this_process("run", "--resume", tmp_path / "r", *words)
+        assert_one_line(done, 2, "--resume goes on with what was asked for")
+    done = in_this_process("run", "--resume", tmp_path / "r")
+    assert_one_line(done, 2, "r.part: no such unfinished run")
 
 
 class LimitedWhereItHangs:

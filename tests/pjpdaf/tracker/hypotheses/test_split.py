@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pjpdaf.looks import looks_of_ellipses
 from pjpdaf.tracker.hypotheses.split import ends, halves, outside, pieces, settle
 
 
@@ -18,11 +19,11 @@ def test_halves_of_two_discs_are_their_centres():
     both = np.concatenate([disc(100, 200, 20), disc(140, 210, 20)])
     found = halves(both, together=1.0)
     assert found is not None
-    centres, shares = found
+    centres, parts = found
     centres = centres[np.argsort(centres[:, 0])]
     # The overlap is cut down the middle: the centres move apart by less than 2 px.
     np.testing.assert_allclose(centres, [[100, 200], [140, 210]], atol=2.0)
-    np.testing.assert_allclose(shares, 0.5, atol=0.03)
+    np.testing.assert_allclose([len(part) / len(both) for part in parts], 0.5, atol=0.03)
 
 
 def test_halves_drawn_together_keep_their_middle():
@@ -67,3 +68,15 @@ def test_ellipse_settles_on_the_head_although_a_hand_hangs_on_it():
     centre, inside = settle(blob, np.array([306.0, 96.0]), np.eye(2) * 40.0**2 / 4)
     np.testing.assert_allclose(centre, [300, 100], atol=4.0)
     assert inside > 0.9 * len(disc(300, 100, 40))
+
+
+def test_ellipses_are_filled_with_pixels_of_one_size():
+    """A head's blob has as many more pixels than a hand's as it is larger."""
+    ellipses = np.array([[100.0, 100, 40, 30, 0.3], [300, 200, 22, 18, 1.0], [50, 60, 14, 6, 0]])
+    looks = looks_of_ellipses(ellipses)
+    for pixels, (x, y, a, b, angle) in zip(looks.pixels, ellipses, strict=True):
+        np.testing.assert_allclose(pixels.mean(axis=0), (x, y), atol=0.01)
+        np.testing.assert_allclose(len(pixels) * looks.pixel_area_px, np.pi * a * b, rtol=0.15)
+        along = (pixels - (x, y)) @ (np.cos(angle), np.sin(angle))
+        assert 0.8 * a < along.max() <= a
+    assert looks_of_ellipses(np.zeros((0, 5))).pixels == ()

@@ -1,0 +1,1 @@
+"""Presentation of a stress test: failures, maps, curves, probabilities, on one page."""

@@ -1,0 +1,117 @@
+"""The identity of a run: everything that decides its results, so that it can go on later."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import importlib.util
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, fields
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import sim
+from pjpdaf.detector.external import DetectionTable
+from pjpdaf.plugins.registry import DETECTORS, TRACKERS
+from pjpdaf.presets.registry import PRESETS
+from reports.run.provenance import provenance
+from scenarios.play.job import Job, digest_of
+from sim.dataset.files.checksums import sha256_of
+from sim.dataset.files.layout import CHECKSUMS
+
+PACKAGES = ("pjpdaf", "sim", "reports", "scenarios")
+
+
+def run_identity(jobs: Sequence[Job], preset: str) -> str:
+    """SHA-256 of episodes, system, our code, that of plug-ins, and the versions of libraries."""
+    system = jobs[0].system
+    record = {
+        "jobs": [job_key(job) for job in jobs],
+        "preset": preset,
+        "code": code_digest(),
+        "versions": provenance()["versions"],
+        "plug-ins": [
+            plug_in_digest(system.detector, DETECTORS),
+            plug_in_digest(system.tracker, TRACKERS),
+        ],
+    }
+    return _digest(record)
+
+
+def job_key(job: Job) -> str:
+    """SHA-256 of all of a job that decides its rows, but for code."""
+    # A field that is new to a job counts from its first day.
+    record = {field.name: getattr(job, field.name) for field in fields(job)}
+    for name in ("scenario", "overrides", "size_px", "label", "use_cache"):
+        del record[name]
+    return _digest(
+        record
+        | {
+            "name": job.name,
+            "digest": digest_of(job),  # of scenario, overrides and size
+            "system": asdict(job.system),
+            "kept": None if job.kept is None else sequence_digest(job.kept),
+            "detections": None if job.detections is None else [*map(_table, job.detections)],
+        }
+    )
+
+
+def sequence_digest(folder: Path) -> str:
+    """SHA-256 of the sums of a data set's sequence, "" where it has none."""
+    path = folder / CHECKSUMS
+    return sha256_of(path) if path.is_file() else ""
+
+
+@functools.cache
+def code_digest() -> str:
+    """SHA-256 of the sources of our packages."""
+    root = Path(str(sim.__file__)).parent.parent
+    return _digest([_folder_digest(root / name) for name in PACKAGES])
+
+
+def plug_in_digest(name: str, group: str) -> str:
+    """SHA-256 of the module or package of a detector or tracker; "" of a preset.
+
+    Other modules that it imports are not looked at. Nothing is imported.
+    """
+    if name in PRESETS:
+        return ""
+    module = name
+    for point in entry_points(group=group):
+        if point.name == name:
+            module = point.value
+    spec = importlib.util.find_spec(module.partition(":")[0].partition(".")[0])
+    if spec is None:
+        return ""
+    if spec.submodule_search_locations:
+        return _digest([_folder_digest(Path(p)) for p in spec.submodule_search_locations])
+    file = Path(spec.origin or "")
+    return sha256_of(file) if file.is_file() else ""
+
+
+def _folder_digest(folder: Path) -> list[tuple[str, str]]:
+    return [(path.relative_to(folder).as_posix(), sha256_of(path)) for path in _sources(folder)]
+
+
+def _sources(folder: Path) -> Iterator[Path]:
+    for path in sorted(folder.rglob("*")):
+        if path.is_file() and "__pycache__" not in path.parts:
+            yield path
+
+
+def _table(table: DetectionTable) -> Mapping[str, Any]:
+    names = ("frames", "centres_px", "sd_px", "areas_px", "evidence")
+    arrays = {name: getattr(table, name) for name in names}
+    return {
+        name: None if array is None else hashlib.sha256(np.asarray(array).tobytes()).hexdigest()
+        for name, array in arrays.items()
+    }
+
+
+def _digest(record: object) -> str:
+    text = json.dumps(record, sort_keys=True, separators=(",", ":"), default=str)
+    return hashlib.sha256(text.encode()).hexdigest()

@@ -1,0 +1,73 @@
+"""The request of a run, and its file in the folder of an unfinished run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from pydantic import TypeAdapter, ValidationError
+
+from pjpdaf.errors import BenchError
+from pjpdaf.presets.names import DEFAULT_PRESET
+from pjpdaf.presets.registry import PRESETS
+from scenarios.execute.episodes import EPISODE_TIME_LIMIT_S
+from scenarios.play.plan import PlanRequest
+from sim.files import written_whole_file
+
+REQUEST = "request.json"
+MAX_BYTES = 1 << 20
+
+
+@dataclass(frozen=True)
+class RunRequest:
+    """Arguments of `run`; None: the default.
+
+    plan: the episodes; jobs: worker processes; out: folder of the saved run; argv: the command
+    line, for run.json; slim: save only what `compare` needs; time_limit_s: of one episode.
+    """
+
+    plan: PlanRequest = field(default_factory=PlanRequest)
+    preset: str = DEFAULT_PRESET
+    jobs: int | None = None
+    out: Path | None = None
+    argv: tuple[str, ...] = ()
+    slim: bool = False
+    time_limit_s: float = EPISODE_TIME_LIMIT_S
+
+
+def write_request(path: Path, request: RunRequest) -> None:
+    """Write a request as JSON, without folder and processes. Raises BenchError."""
+    data = TypeAdapter(RunRequest).dump_json(replace(request, out=None, jobs=None), indent=1)
+    with written_whole_file(path, "the request", replace=True) as part:
+        part.write_bytes(data + b"\n")
+
+
+def read_request(path: Path, detector: str | None = None, tracker: str | None = None) -> RunRequest:
+    """Read the request of a file.
+
+    detector, tracker: those that the user names. A file names no code that is run: a plug-in must
+    be named by the user as well. Raises BenchError.
+    """
+    try:
+        with path.open("rb") as file:
+            request = TypeAdapter(RunRequest).validate_json(file.read(MAX_BYTES))
+    except OSError as fault:
+        raise BenchError(f"{path}: cannot be read: {fault.strerror or fault}") from fault
+    except ValidationError as fault:
+        first = fault.errors()[0]
+        at = ".".join(map(str, first["loc"]))
+        raise BenchError(f"{path}: is damaged: {at}: {first['msg']}") from None
+    wanted = request.plan
+    for kind, named, given in (
+        ("detector", wanted.detector, detector),
+        ("tracker", wanted.tracker, tracker),
+    ):
+        if kind == "detector" and wanted.detections is not None:
+            named = given or ""  # detections from files: no code, whatever its name
+        if given is None and named not in PRESETS and named:
+            raise BenchError(
+                f"{path.parent}: was begun with --{kind} {named}; give that again, as it is code"
+            )
+        if given is not None and given != named:
+            raise BenchError(f"{path.parent}: was begun with --{kind} {named}, got {given}")
+    return request

@@ -1,0 +1,1 @@
+"""The map of failures over one parameter or two."""

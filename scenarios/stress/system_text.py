@@ -1,0 +1,37 @@
+"""A system under test, and a command, in words."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+
+from scenarios.play.job import System
+from scenarios.stress.case import Case
+
+
+def system_text(system: System) -> str:
+    """Such as "thesis", "default with tracker mine:make", "thesis, tracker.gate=12"."""
+    name = system.tracker
+    if system.detector != system.tracker:
+        name = f"{system.detector} with tracker {system.tracker}"
+    changes = [f"detector.{k}={v}" for k, v in system.detector_settings.items()]
+    changes += [f"tracker.{k}={v}" for k, v in system.tracker_settings.items()]
+    return ", ".join([name, *changes])
+
+
+def command_text(argv: Sequence[str]) -> str:
+    """The command line of these arguments; "" without any."""
+    return f"pjpdaf-bench {shlex.join(argv)}" if argv else ""
+
+
+def replay_command(case: Case, system: System) -> str:
+    """The command that plays a case again."""
+    words = ["pjpdaf-bench", "stress", case.family, "replay", "--seed", str(case.seed)]
+    words += ["--tracker", system.tracker]
+    if system.detector != system.tracker:
+        words += ["--detector", system.detector]
+    changes = {f"detector.{k}": v for k, v in system.detector_settings.items()}
+    changes |= {f"tracker.{k}": v for k, v in system.tracker_settings.items()}
+    for name, value in {**case.values, **changes}.items():
+        words += ["--set", f"{name}={value}"]
+    return shlex.join(words)

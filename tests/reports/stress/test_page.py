@@ -1,0 +1,88 @@
+"""The stress page: self-contained, escaped, worked by hand in a real browser."""
+
+from __future__ import annotations
+
+import re
+import shutil
+
+import pytest
+
+from pjpdaf.errors import BenchError
+from reports.stress.page import write_stress_page
+
+HOSTILE = '<script>alert("x")</script>'
+
+
+@pytest.fixture(scope="module")
+def page(stress_folder, tmp_path_factory):
+    return write_stress_page([stress_folder], tmp_path_factory.mktemp("out") / "stress.html")
+
+
+def test_it_is_self_contained_and_escapes_names(page) -> None:
+    text = page.read_text(encoding="utf-8")
+    assert not re.search(r"(?:https?:)?//[a-z]+\.", text)
+    assert HOSTILE not in text
+    assert text.count("&lt;script&gt;alert(&#34;x&#34;)&lt;/script&gt;") == 2
+
+
+def test_failures_are_confirmed_first_and_the_worst_first(page) -> None:
+    text = page.read_text(encoding="utf-8")
+    titles = re.findall(r'<article class="failure">.*?</article>', text, re.S)
+    marks = [re.findall(r'class="mark (\w+)"', title) for title in titles]
+    assert marks == [["yes"], ["yes"], [], ["no"]]
+    assert "40 % of the frames wrong" in titles[0]
+    assert titles[0].count("<img") == 6
+    assert "left and right exchanged</em>" in titles[0]
+    # An episode that the folder does not have: no strip, no link.
+    assert "<img" not in titles[2]
+    assert "#play" not in titles[2]
+    assert "2 of 3 tried" not in text
+    assert "2 of 3 confirmed in rendered pictures" in text
+
+
+def test_probabilities_and_comparison(page) -> None:
+    text = page.read_text(encoding="utf-8")
+    assert "0.12 % (0.084 to 0.47)" in text
+    assert "below 0.3 %" in text
+    assert "inconclusive</b>" in text
+    assert "-19.0 % (-25.0 to -13.0)" in text
+
+
+def test_a_damaged_file_is_one_line(stress_folder, tmp_path) -> None:
+    shutil.copy(stress_folder / "map.json", tmp_path)
+    path = tmp_path / "map.json"
+    path.write_text(path.read_text(encoding="utf-8").replace('"swap": 8', '"swap": -8', 1))
+    with pytest.raises(BenchError) as fault:
+        write_stress_page([tmp_path], tmp_path / "stress.html")
+    assert str(fault.value) == (
+        f"{path}: is damaged or of another version at maps.0.cells.17.failures.swap: Input should "
+        "be greater than or equal to 0."
+    )
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    with pytest.raises(BenchError, match="is no folder of a stress run"):
+        write_stress_page([empty], tmp_path / "stress.html")
+
+
+def test_a_click_on_a_cell_and_on_a_strip_plays_the_episode(page, opened) -> None:
+    with opened(page, "html[data-thumbs=yes]", viewport={"width": 1200, "height": 800}) as view:
+        view.click("#maps figure a rect.cell")
+        view.wait_for_selector("#player[data-key='0-0-7'][data-frame='8']")
+        view.click(".strip li:last-child a")
+        view.wait_for_selector("#player[data-key='0-0-7']:not([data-frame='8'])")
+        view.click("#curves figure a")
+        view.wait_for_selector("#player[data-key='0-1-8']")
+        # Red of the line from an estimate to its own truth.
+        red = view.evaluate(
+            """() => { const c = document.querySelector('[data-part=left]');
+            const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let n = 0;
+            for (let i = 0; i < d.length; i += 4) n += d[i] > 220 && d[i+1] < 60 && d[i+2] < 60;
+            return n; }"""
+        )
+        assert red > 200
+
+
+@pytest.mark.parametrize("width", [390, 1440])
+def test_nothing_is_wider_than_the_screen(page, opened, width: int) -> None:
+    with opened(page, "html[data-thumbs=yes]", viewport={"width": width, "height": 900}) as view:
+        assert view.evaluate("document.documentElement.scrollWidth") <= width
