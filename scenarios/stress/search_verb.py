@@ -22,6 +22,7 @@ from scenarios.stress.search.evaluation import Evaluator
 from scenarios.stress.search.record import KIND, VERSION, family_record
 from scenarios.stress.search.search import FamilySearch, SearchPlan, search_family
 from scenarios.stress.search.table import failure_table
+from scenarios.stress.search_page import write_search_page
 from scenarios.stress.space import Space
 from sim.files import written_whole_file
 
@@ -35,7 +36,8 @@ class SearchRequest:
 
     budget: trials a family, in the fidelity of the search; distinct: failures a family that are
     enough; patience: trials without a new one that are enough; confirm: cases a family that are
-    rendered; corpus: begin with the corpus's cases.
+    rendered; corpus: begin with the corpus's cases; episodes: failures a family that the page
+    plays.
     """
 
     campaign: CampaignRequest
@@ -45,6 +47,8 @@ class SearchRequest:
     patience: int = 2000
     confirm: int = 8
     corpus: bool = True
+    episodes: int = 8
+    argv: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -67,8 +71,9 @@ def search_verb(request: SearchRequest) -> None:
             raise BenchError(
                 f"--{name} must be between 1 and {MAX_BUDGET}, got {getattr(request, name)}"
             )
-    if request.confirm < 0:
-        raise BenchError(f"--confirm must be 0 or more, got {request.confirm}")
+    for name in ("confirm", "episodes"):
+        if getattr(request, name) < 0:
+            raise BenchError(f"--{name} must be 0 or more, got {getattr(request, name)}")
     options = {
         name: getattr(request, name)
         for name in ("goals", "budget", "distinct", "patience", "confirm", "corpus")
@@ -79,6 +84,9 @@ def search_verb(request: SearchRequest) -> None:
         results = [_with_files(campaign, result) for result in results]
         _write_record(campaign, results)
         _print(campaign, results)
+        parts = [(result.search, result.found, result.files) for result in results]
+        page = write_search_page(campaign, parts, request.episodes, request.argv)
+        Console().print(f"page: {page}", highlight=False, soft_wrap=True)
 
 
 def goals_of(text: str) -> tuple[Goal, ...]:
