@@ -202,11 +202,24 @@ class OffsetParameters:
     # skin is lower, fitted [1].
     crown_share: float = 0.74
     # How much the offsets differ, per axis [m].
-    hand_offset_sd_m: float = 0.004
+    hand_offset_sd_m: float = 0.006
     head_offset_sd_m: float = 0.006
 
     def __post_init__(self) -> None:
         check_not_negative(OWNER, self, "hand_offset_sd_m", "head_offset_sd_m")
+
+
+@dataclass(frozen=True)
+class IdentityParameters:
+    """The doubt of right and left while both hands are hidden."""
+
+    # Time in which it comes to within 1/e of 1/2 [s], 0 = no such doubt.
+    hidden_memory_s: float = 2.0
+    # Speed at which hidden hands are taken to change places [m/s].
+    hidden_speed_mps: float = 0.5
+
+    def __post_init__(self) -> None:
+        check_not_negative(OWNER, self, "hidden_memory_s", "hidden_speed_mps")
 
 
 @dataclass(frozen=True)
@@ -219,6 +232,7 @@ class HypothesisParameters:
     costs: CostParameters = field(default_factory=CostParameters)
     sleeve: SleeveParameters = field(default_factory=SleeveParameters)
     offsets: OffsetParameters = field(default_factory=OffsetParameters)
+    identity: IdentityParameters = field(default_factory=IdentityParameters)
     # Hypotheses kept.
     hypotheses: int = 5
     # The estimate is the mean of the hypotheses within this of the best [log-odds].
