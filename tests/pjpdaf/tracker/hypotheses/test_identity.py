@@ -65,7 +65,7 @@ def test_the_tracker_states_it_while_nobody_is_seen():
     for _ in range(30):
         state, estimates = one.step(state, nothing(), FRAME_S)
         stated.append(estimates.exchange_probability)
-    assert stated[0] == stated[1] < 0.1
+    assert max(stated[:2]) < 0.06  # what the start leaves open
     assert stated[-1] > 0.45
     _, estimates = one.step(state, seen(START_W), FRAME_S)
     assert estimates.exchange_probability > 0.45  # without sleeves nothing tells them apart
