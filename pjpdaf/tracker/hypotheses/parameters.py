@@ -101,6 +101,8 @@ class CostParameters:
     stay_hidden: NotNegative = 5.0
     # A hand at the face while the head's blob hides it.
     face: NotNegative = 4.0
+    # A hand behind the head; 0 = no hand is taken to be there.
+    behind: NotNegative = 1.0
     # Two hands on one blob, undivided.
     same_blob: NotNegative = 4.0
     # A half whose other half is nobody's.
@@ -150,6 +152,9 @@ class SleeveParameters:
     # fingers on the other side [1].
     wrist_share: float = 1.0
 
+    # The same length for an end of a bare arm, which points away from the arm's middle [1].
+    bare_arm_fingers: NotNegative = 0.25
+
     def __post_init__(self) -> None:
         check_bounds(OWNER, self)
 
@@ -159,7 +164,7 @@ class OffsetParameters:
     """From the centre of the visible skin to the centre of the body, camera axes [m]."""
 
     hand_offset_m: tuple[float, float, float] = (0.0, -0.003, 0.008)
-    head_offset_m: tuple[float, float, float] = (0.0, -0.027, 0.015)
+    head_offset_m: tuple[float, float, float] = (0.0, -0.027, 0.010)
     # Share of the height by which the hair's top is above the average that the centre of the head's
     # skin is lower, fitted [1].
     crown_share: float = 0.74
