@@ -100,9 +100,6 @@ def search(
     distinct: Annotated[int, typer.Option(help="End with so many distinct failures.")] = 20,
     patience: Annotated[int, typer.Option(help="End after so many runs without a new one.")] = 2000,
     confirm: Annotated[int, typer.Option(help="Failures a family to render.")] = 8,
-    episodes: Annotated[
-        int, typer.Option(help="Failures a family that the page plays; rendered if confirmed.")
-    ] = 8,
     no_corpus: Annotated[
         bool, typer.Option("--no-corpus", help="Do not begin with the corpus's cases.")
     ] = False,
@@ -145,10 +142,6 @@ def search(
             patience,
             confirm,
             not no_corpus,
-<<<<<<< HEAD
-            episodes,
-=======
->>>>>>> main
             tuple(sys.argv[1:]),
         )
     )

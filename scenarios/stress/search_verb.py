@@ -26,7 +26,6 @@ from scenarios.stress.search.page_record import search_record, shown_failures, s
 from scenarios.stress.search.record import KIND, VERSION, family_record
 from scenarios.stress.search.search import FamilySearch, SearchPlan, search_family
 from scenarios.stress.search.table import failure_table
-from scenarios.stress.search_page import write_search_page
 from scenarios.stress.space import Space
 from scenarios.stress.system_text import command_text, system_text
 from sim.files import written_whole_file
@@ -41,8 +40,7 @@ class SearchRequest:
 
     budget: trials a family, in the fidelity of the search; distinct: failures a family that are
     enough; patience: trials without a new one that are enough; confirm: cases a family that are
-    rendered; corpus: begin with the corpus's cases; episodes: failures a family that the page
-    plays.
+    rendered; corpus: begin with the corpus's cases.
     """
 
     campaign: CampaignRequest
@@ -52,10 +50,6 @@ class SearchRequest:
     patience: int = 2000
     confirm: int = 8
     corpus: bool = True
-<<<<<<< HEAD
-    episodes: int = 8
-=======
->>>>>>> main
     argv: tuple[str, ...] = ()
 
 
@@ -79,9 +73,8 @@ def search_verb(request: SearchRequest) -> None:
             raise BenchError(
                 f"--{name} must be between 1 and {MAX_BUDGET}, got {getattr(request, name)}"
             )
-    for name in ("confirm", "episodes"):
-        if getattr(request, name) < 0:
-            raise BenchError(f"--{name} must be 0 or more, got {getattr(request, name)}")
+    if request.confirm < 0:
+        raise BenchError(f"--confirm must be 0 or more, got {request.confirm}")
     options = {
         name: getattr(request, name)
         for name in ("goals", "budget", "distinct", "patience", "confirm", "corpus")
@@ -93,11 +86,6 @@ def search_verb(request: SearchRequest) -> None:
         _write_record(campaign, results)
         page = _write_page(campaign, results, request.argv)
         _print(campaign, results)
-<<<<<<< HEAD
-        parts = [(result.search, result.found, result.files) for result in results]
-        page = write_search_page(campaign, parts, request.episodes, request.argv)
-=======
->>>>>>> main
         Console().print(f"page: {page}", highlight=False, soft_wrap=True)
 
 
