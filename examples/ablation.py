@@ -44,10 +44,16 @@ DETECTOR = tuple(
 # A hand that costs this much is never chosen.
 NEVER = "1e6"
 OFFSETS = {"hand_offset_m": "0,0,0", "head_offset_m": "0,0,0"}
+HALVES, FACE = {"halves": "false"}, {"face": NEVER}
 SLEEVES, HYPOTHESES = {"sleeve_weight": "0"}, {"hypotheses": "1"}
 TRACKER = (
     Part("pieces beside the head", {"beside_head": "false"}),
-    Part("halves", {"halves": "false"}),
+    Part("a head in pieces joined", {"join_head": "false"}),
+    Part("halves", HALVES),
+    Part("halves drawn together", {"draw_together": "0"}, HALVES),
+    Part("outlines of parts", {"contours": "false"}, HALVES),
+    Part("hands cut by the edge", {"cut_hands": "false"}),
+    Part("what one view hides", {"hidden_share": "0"}),
     Part("ends of bare arms", {"ends": "false"}),
     Part("middle of the palm", {"palm": "0"}),
     Part("sleeves", SLEEVES),
@@ -58,8 +64,9 @@ TRACKER = (
     Part("rest, movement and fast movement", {"deviations_m": "0.168,0.168,0.168"}),
     Part("errors common to both views", {"whole_px": "0.1,2.6", "part_px": "0.1,8.2"}),
     Part("sightings of one view", {"single_view": NEVER}),
-    Part("a hand at the face", {"face": NEVER}),
-    Part("blobs want owners", {"unexplained": "0"}),
+    Part("a hand at the face", FACE),
+    Part("places before the face", {"face_reach_m": "0"}, FACE),
+    Part("blobs want owners", {"unexplained": "0", "unexplained_single": "0"}),
     Part("pieces of face and neck", {"piece": "0"}),
     Part("size of the hands learnt", {"area_memory": "0"}),
     Part("height of the hair", {"crown_share": "0"}, OFFSETS),
