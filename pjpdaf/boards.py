@@ -84,11 +84,16 @@ class Corners:
         return len(self.ids)
 
 
-def charuco_board(board: Board) -> cv2.aruco.CharucoBoard:
-    """OpenCV's record of a ChArUco board (it counts squares, not corners)."""
+def charuco_board(board: Board, legacy: bool = False) -> cv2.aruco.CharucoBoard:
+    """OpenCV's record of a ChArUco board (it counts squares, not corners).
+
+    legacy: with the colours of the squares as before OpenCV 4.6.
+    """
     dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, board.dictionary))
     squares = (board.columns + 1, board.rows + 1)
-    return cv2.aruco.CharucoBoard(squares, board.square_m, board.marker_m, dictionary)
+    made = cv2.aruco.CharucoBoard(squares, board.square_m, board.marker_m, dictionary)
+    made.setLegacyPattern(legacy)
+    return made
 
 
 def find_corners(board: Board, picture: np.ndarray) -> Corners | None:
@@ -99,10 +104,10 @@ def find_corners(board: Board, picture: np.ndarray) -> Corners | None:
     """
     grey = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY) if picture.ndim == 3 else picture
     if board.kind == "charuco":
-        pixels, ids, _, _ = cv2.aruco.CharucoDetector(charuco_board(board)).detectBoard(grey)
-        if ids is None or len(ids) < CHARUCO_CORNERS_MIN:
+        detected_charuco = _charuco_corners(board, grey)
+        if detected_charuco is None:
             return None
-        corner_ids = np.ravel(ids).astype(np.intp)
+        corner_ids, pixels = detected_charuco
         # The window must stay clear of the markers inside the squares.
         clear = (board.square_m - board.marker_m) / (2 * board.square_m)
         return Corners(corner_ids, _refined(board, grey, corner_ids, np.asarray(pixels), clear))
@@ -113,6 +118,34 @@ def find_corners(board: Board, picture: np.ndarray) -> Corners | None:
             all_ids = np.arange(board.columns * board.rows)
             return Corners(all_ids, _refined(board, grey, all_ids, np.asarray(pixels), 0.3))
     return None
+
+
+def _charuco_corners(board: Board, grey: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """Ids and pixels of the corners; the board may be white on black, or of the older pattern."""
+    for inverted in (False, True):
+        parameters = cv2.aruco.DetectorParameters()
+        parameters.detectInvertedMarker = inverted
+        for legacy in (False, True):
+            detector = cv2.aruco.CharucoDetector(
+                charuco_board(board, legacy), detectorParams=parameters
+            )
+            pixels, ids, _, markers = detector.detectBoard(grey)
+            if ids is not None and len(ids) >= CHARUCO_CORNERS_MIN:
+                return np.ravel(ids).astype(np.intp), pixels
+            if markers is None or len(markers) == 0:
+                break  # the pattern makes no difference
+    return None
+
+
+def markers_seen(board: Board, picture: np.ndarray) -> int:
+    """Number of markers of a ChArUco board's dictionary in a picture; 0 for a chessboard."""
+    if board.kind != "charuco":
+        return 0
+    parameters = cv2.aruco.DetectorParameters()
+    parameters.detectInvertedMarker = True
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, board.dictionary))
+    _, ids, _ = cv2.aruco.ArucoDetector(dictionary, parameters).detectMarkers(picture)
+    return 0 if ids is None else len(ids)
 
 
 def _refined(

@@ -9,7 +9,14 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from pjpdaf.boards import CHARUCO_CORNERS_MIN, Board, Corners, draw_corners, find_corners
+from pjpdaf.boards import (
+    CHARUCO_CORNERS_MIN,
+    Board,
+    Corners,
+    draw_corners,
+    find_corners,
+    markers_seen,
+)
 from pjpdaf.calibration import rectify, write_rig
 from pjpdaf.calibration_report import CalibrationReport, PairReport
 from pjpdaf.camera import StereoRig
@@ -98,7 +105,19 @@ def _unusable(board: Board, pair: PicturePair, corners: list[Corners | None]) ->
             return f"no readable picture in {view}"
     without = [view for view, c in zip(VIEWS, corners, strict=True) if c is None]
     if without:
-        return f"no board found in {' and '.join(without)}"
+        seen = [
+            markers_seen(board, picture)
+            for picture, c in zip(pair.pictures, corners, strict=True)
+            if c is None and picture is not None
+        ]
+        reason = f"no board found in {' and '.join(without)}"
+        if any(seen):
+            reason += (
+                f": {' and '.join(map(str, seen))} markers of {board.dictionary} seen, but no "
+                f"corners between them; is it a board of {board.columns + 1} x {board.rows + 1} "
+                "squares?"
+            )
+        return reason
     left, right = corners
     assert left is not None
     assert right is not None

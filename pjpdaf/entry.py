@@ -8,6 +8,7 @@ imported through it finds the packages beside it. Nothing but the standard libra
 from __future__ import annotations
 
 import importlib
+import os
 import signal
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -36,6 +37,8 @@ class _OwnPackages:
 
 
 _FINDER: Any = _OwnPackages()
+# OpenCV reads this when it is imported. Its own limit, 2^30, lets a file of 3 MB take 3 GB.
+PICTURE_PIXELS_MAX = 1 << 26
 
 
 def own_packages_first() -> None:
@@ -95,6 +98,7 @@ def _path_leads_to_ours(name: str) -> bool:
 def main() -> None:
     """Run the command of `sys.argv`; always raises SystemExit with its exit code."""
     own_packages_first()
+    _limit_pictures()
     for name in _ENDING:
         # A signal during the first imports ends as Ctrl-C does: with a line, and tidied up.
         if signal.getsignal(getattr(signal, name)) is signal.SIG_DFL:
@@ -121,6 +125,10 @@ def _command_main() -> None:
     command.main()
 
 
+def _limit_pictures() -> None:
+    os.environ.setdefault("OPENCV_IO_MAX_IMAGE_PIXELS", str(PICTURE_PIXELS_MAX))
+
+
 def _interrupt(number: int, frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
@@ -128,6 +136,7 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 def serve(pipe: Any) -> None:
     """In a worker process: answer the tasks of a pipe (`sim.processes`)."""
     own_packages_first()
+    _limit_pictures()
     importlib.import_module("sim.processes").serve(pipe)
 
 

@@ -40,9 +40,16 @@ class BenchError(Exception):
 
 
 class InfrastructureError(BenchError):
-    """A fault of the machine (OpenGL, disk, a worker that died). Exit code 5."""
+    """A fault of the machine (OpenGL, disk, a worker that died). Exit code 5.
+
+    cause: what is wrong; remedy: how to put it right, "" where it is not known.
+    """
 
     exit_code = 5
+
+    def __init__(self, cause: str, remedy: str = "") -> None:
+        super().__init__(f"{cause}; {remedy}" if remedy else cause)
+        self.cause, self.remedy = cause, remedy
 
 
 class NotComparable(BenchError):

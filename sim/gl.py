@@ -73,19 +73,20 @@ def choose(environment: Mapping[str, str], probe: Callable[[str], bool] = loads)
         return "disabled"
     if asked not in CHOICES:
         raise InfrastructureError(
-            f"MUJOCO_GL={asked} is no OpenGL back end (choices: {', '.join(CHOICES)}); "
-            "unset MUJOCO_GL to have one chosen"
+            f"MUJOCO_GL={asked} is no OpenGL back end (choices: {', '.join(CHOICES)})",
+            "unset MUJOCO_GL to have one chosen",
         )
     if asked in ("glfw", "glx") and not (
         environment.get("DISPLAY") or environment.get("WAYLAND_DISPLAY")
     ):
         raise InfrastructureError(
-            f"MUJOCO_GL={asked} needs a display and there is none; unset MUJOCO_GL and " + REMEDY
+            f"MUJOCO_GL={asked} needs a display and there is none",
+            "unset MUJOCO_GL and " + REMEDY,
         )
     lacking = missing(asked, probe)
     if lacking:
         remedy = REMEDY if asked == "egl" else "unset MUJOCO_GL and " + REMEDY
-        raise InfrastructureError(f"MUJOCO_GL={asked} lacks {', '.join(lacking)}; {remedy}")
+        raise InfrastructureError(f"MUJOCO_GL={asked} lacks {', '.join(lacking)}", remedy)
     return asked
 
 
@@ -116,8 +117,8 @@ def check_platform(backend: str, environment: Mapping[str, str]) -> None:
     platform_name = environment.get("PYOPENGL_PLATFORM", "")
     if backend in LIBRARIES and platform_name and platform_name.lower() != backend:
         raise InfrastructureError(
-            f"PYOPENGL_PLATFORM={platform_name} contradicts MUJOCO_GL={backend}; "
-            "unset PYOPENGL_PLATFORM"
+            f"PYOPENGL_PLATFORM={platform_name} contradicts MUJOCO_GL={backend}",
+            "unset PYOPENGL_PLATFORM",
         )
 
 
@@ -133,7 +134,7 @@ def load_mujoco() -> Any:
     except (AttributeError, ImportError, OSError, RuntimeError) as fault:
         cause = str(fault).partition("\n")[0]
         raise InfrastructureError(
-            f"mujoco cannot be imported with MUJOCO_GL={backend} ({cause}); {REMEDY}"
+            f"mujoco cannot be imported with MUJOCO_GL={backend} ({cause})", REMEDY
         ) from fault
 
 
@@ -148,7 +149,7 @@ def context() -> Any:
     owner = getattr(_local, "pid", pid)
     if owner != pid:
         raise InfrastructureError(
-            "this process was forked after rendering had begun; start workers by spawn"
+            "this process was forked after rendering had begun", "start workers by spawn"
         )
     held = getattr(_local, "context", None)
     if held is None:
@@ -162,9 +163,9 @@ def _create_context() -> Any:
     if prepare() == "disabled":
         lacking = [", ".join(missing(name)) for name in LIBRARIES]
         if not all(lacking):
-            raise InfrastructureError("MUJOCO_GL=disabled switches rendering off; unset it")
+            raise InfrastructureError("MUJOCO_GL=disabled switches rendering off", "unset it")
         raise InfrastructureError(
-            f"no offscreen OpenGL here (missing {', and '.join(lacking)}); {REMEDY}"
+            f"no offscreen OpenGL here (missing {', and '.join(lacking)})", REMEDY
         )
     load_mujoco()
     module = importlib.import_module("mujoco.gl_context")
@@ -180,12 +181,12 @@ def _no_context(cause: str, environment: Mapping[str, str]) -> InfrastructureErr
     """The fault of a context that cannot be made; it names a device that the user chose."""
     device = environment.get(DEVICE)
     if device is None:
-        return InfrastructureError(f"no OpenGL context ({cause}); {REMEDY}")
+        return InfrastructureError(f"no OpenGL context ({cause})", REMEDY)
     if not device.strip().isdecimal():
         cause = "must be the number of a device, 0 or more"
     return InfrastructureError(
-        f"{DEVICE}={device}: no OpenGL context on this device ({cause}); unset {DEVICE} to have "
-        "a device chosen"
+        f"{DEVICE}={device}: no OpenGL context on this device ({cause})",
+        f"unset {DEVICE} to have a device chosen",
     )
 
 

@@ -68,7 +68,7 @@ def make_tracker(
     checked and left to `make_detector`. Raises BenchError.
     """
     if name in PRESETS:
-        parameters = override(find_preset(name), overrides or {}).tracker
+        parameters = override(find_preset(name), overrides or {}, PRESETS.values()).tracker
         if isinstance(parameters, HypothesisParameters):
             return HypothesisTracker(cameras, parameters)
         return PJPDAF(cameras, parameters)
@@ -92,7 +92,7 @@ def make_detector(
         from pjpdaf.detector.blob_detector import BlobDetector
         from pjpdaf.detector.detector import SkinDetector
 
-        preset = override(find_preset(name), overrides or {})
+        preset = override(find_preset(name), overrides or {}, PRESETS.values())
         detector: Detector = SkinDetector(cameras, preset.detector)
         if isinstance(preset.tracker, HypothesisParameters):
             detector = BlobDetector.of(cameras, preset.detector)

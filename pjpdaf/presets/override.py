@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, get_args, get_origin
 
 from pjpdaf.checks import BadParameter
@@ -30,11 +30,13 @@ def with_values(record: Parameters, values: Mapping[str, object]) -> Parameters:
     return copy
 
 
-def override(preset: Preset, values: Mapping[str, object]) -> Preset:
+def override(
+    preset: Preset, values: Mapping[str, object], others: Collection[Preset] = ()
+) -> Preset:
     """Change a preset by KEY=VALUE, e.g. {'p_detect': '0.8', 'detector.min_area_px': '150'}.
 
     A key is a flat name, or one with 'detector.' or 'tracker.' before it. Raises BadParameter with
-    the choices and the nearest name.
+    the choices and the nearest name, or those of the `others` that have the parameter.
     """
     changes: dict[str, dict[str, object]] = {"detector": {}, "tracker": {}}
     names = {
@@ -46,14 +48,21 @@ def override(preset: Preset, values: Mapping[str, object]) -> Preset:
         homes = [prefix] if prefix in changes else [home for home in changes if not prefix]
         home = next((home for home in homes if name in names[home]), None)
         if home is None:
-            known = [field for h in (homes or list(changes)) for field in names[h]]
-            raise BadParameter(f"No parameter {key!r}.{did_you_mean(name, known)}")
+            homes = homes or list(changes)
+            known = [field for h in homes for field in names[h]]
+            owners = [other.name for other in others if _has(other, homes, name)]
+            hint = f" It is of the preset {' and '.join(owners)}." if owners else ""
+            raise BadParameter(f"No parameter {key!r}.{hint or did_you_mean(name, known)}")
         changes[home][name] = value
     return dataclasses.replace(
         preset,
         detector=with_values(preset.detector, changes["detector"]),
         tracker=with_values(preset.tracker, changes["tracker"]),
     )
+
+
+def _has(preset: Preset, homes: Collection[str], name: str) -> bool:
+    return any(name in flat_names(type(getattr(preset, home))) for home in homes)
 
 
 _TRUE, _FALSE = ("true", "yes", "on", "1"), ("false", "no", "off", "0")

@@ -62,6 +62,7 @@ class TrackRecord:
         self._longest = np.zeros(len(TARGETS), dtype=np.int64)
         self._sd_sums_m = np.zeros((len(TARGETS), 3))
         self._gallery = Gallery()
+        self._last_s = 0.0
 
     def add(
         self,
@@ -72,6 +73,7 @@ class TrackRecord:
     ) -> None:
         """Add the next frame; `picture` makes its JPEG, called only for frames of the page."""
         self.frames += 1
+        self._last_s = frame.time_s
         missing = sum(p is None for p in frame.pictures)
         if missing and len(self.missing_frames) < MAX_NAMED:
             self.missing_frames.append(frame.index)
@@ -93,7 +95,7 @@ class TrackRecord:
     @property
     def seconds(self) -> float:
         """Length of the footage."""
-        return self.frames * self._period_s
+        return self._last_s + self._period_s if self.frames else 0.0
 
     @property
     def pictures(self) -> list[tuple[str, bytes]]:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
+import shutil
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 
 from pjpdaf.arrays import Image
@@ -16,11 +19,17 @@ from reports.page.catalogue import (
     catalogue_page,
 )
 from reports.pictures.contact_sheet import small_jpeg
-from scenarios.catalogue.pictures import ScenarioPicture, draw_scenarios
+from reports.run.provenance import provenance
+from scenarios.catalogue.pictures import draw_scenarios
+from scenarios.catalogue.scenario_picture import ScenarioPicture
+from scenarios.console.folder import unfinished
 from scenarios.console.interrupts import interrupts, unwritten_if_interrupted
+from scenarios.execute.journal import Journal
+from scenarios.run.identity import code_digest
 from scenarios.spec.names import load_scenario, load_suite, scenario_names, suite_names
 from scenarios.spec.scenario import Scenario
 from sim.files import disk_faults, written_whole_file
+from sim.processes import WorkerPool
 
 MARK = "pjpdaf-bench scenarios list"
 # As the catalogue is read, from easy to hard; other groups come after these.
@@ -39,16 +48,32 @@ def write_catalogue(html: Path | None, markdown: Path | None, workers: int) -> l
     """Draw every shipped scenario and write the pages; returns their paths.
 
     An older catalogue page is replaced, no other file is. Markdown has its pictures in
-    pictures/NAME-OF-THE-PAGE/ beside it. Raises BenchError, InfrastructureError, Interrupted.
+    pictures/NAME-OF-THE-PAGE/ beside it. Until then what is drawn is kept in PAGE.part, and the
+    same command goes on. Raises BenchError, InfrastructureError, Interrupted.
     """
     paths = [path for path in (html, markdown) if path is not None]
     for path in paths:
         check_replaceable(path)
     scenarios = sorted(map(load_scenario, scenario_names()), key=_order)
-    with interrupts():  # while pages are written, signals are only counted
-        with unwritten_if_interrupted(paths[0]):
-            pictures = draw_scenarios(scenarios, workers)
-        return _write_pages(scenarios, pictures, html, markdown)
+    part = unfinished(paths[0])
+    # While pages are written, signals are only counted.
+    with interrupts(), WorkerPool(min(workers, len(scenarios))) as pool, ExitStack() as opened:
+        with unwritten_if_interrupted(paths[0], "; the same command goes on"):
+            identity = catalogue_identity(pool.renderer())
+            journal = opened.enter_context(Journal.open(part, identity))
+            try:
+                pictures = draw_scenarios(scenarios, pool, journal)
+            finally:
+                if not journal.finished:
+                    shutil.rmtree(part, ignore_errors=True)
+        written = _write_pages(scenarios, pictures, html, markdown)
+        shutil.rmtree(part, ignore_errors=True)
+        return written
+
+
+def catalogue_identity(renderer: str) -> str:
+    """What decides the pictures beside their scenarios: renderer, our code, libraries."""
+    return json.dumps(["catalogue", renderer, code_digest(), provenance()["versions"]])
 
 
 def _write_pages(

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import suppress
 
 from rich.console import Console
 
-from pjpdaf.arrays import Image
 from pjpdaf.errors import BenchError, InfrastructureError
 from reports.pictures.overlay import LETTERS
 from reports.pictures.truth_overlay import merged_text, thumbnail
 from scenarios.catalogue.film import target_labels
 from scenarios.catalogue.frame_choice import hardest_frame, truths_without_pictures
+from scenarios.catalogue.scenario_picture import ScenarioPicture
+from scenarios.catalogue.stored_picture import picture_from_bytes, picture_to_bytes
 from scenarios.console.progress import progress_bar
+from scenarios.execute.journal import Journal
 from scenarios.spec.draw import perform
-from scenarios.spec.scenario import Scenario
+from scenarios.spec.scenario import Scenario, digest
 from sim.contact.contact import Unposable
 from sim.processes import Answer, Lost, WorkerPool
 from sim.script import Performance
@@ -28,28 +30,36 @@ PAGE_PX, MARKDOWN_PX = 320, 240  # side of one view
 TIME_LIMIT_S = 300.0  # of one picture
 
 
-@dataclass(frozen=True, eq=False)
-class ScenarioPicture:
-    """A frame of a scenario: both views (h, w, 3) BGR for page and Markdown, and a caption."""
+def draw_scenarios(
+    scenarios: Sequence[Scenario], pool: WorkerPool, journal: Journal | None = None
+) -> list[ScenarioPicture]:
+    """Draw every scenario in worker processes.
 
-    large: Image
-    small: Image
-    caption: str
-
-
-def draw_scenarios(scenarios: Sequence[Scenario], workers: int) -> list[ScenarioPicture]:
-    """Draw every scenario in worker processes. Raises the BenchError of the first that fails."""
-    console = Console(stderr=True)
-    pictures: dict[int, ScenarioPicture] = {}
-    with progress_bar(console) as progress, WorkerPool(min(workers, len(scenarios))) as pool:
-        task = progress.add_task("starting", total=len(scenarios))
-        pool.renderer()
-        for ended in pool.outcomes(_draw_or_fault, dict(enumerate(scenarios)), TIME_LIMIT_S):
+    journal: keeps what is drawn; what is in it is not drawn again. Raises the BenchError of the
+    first that fails.
+    """
+    pictures = {} if journal is None else _kept_pictures(scenarios, journal)
+    tasks = {index: one for index, one in enumerate(scenarios) if index not in pictures}
+    with progress_bar(Console(stderr=True)) as progress:
+        task = progress.add_task("starting", total=len(scenarios), completed=len(pictures))
+        for ended in pool.outcomes(_draw_or_fault, tasks, TIME_LIMIT_S):
             if ended is not None:
                 index, outcome = ended
                 pictures[index] = _unpack(scenarios[index], outcome)
+                if journal is not None:
+                    journal.append(digest(scenarios[index]), picture_to_bytes(pictures[index]))
                 progress.update(task, advance=1, description=scenarios[index].name)
     return [pictures[index] for index in range(len(scenarios))]
+
+
+def _kept_pictures(scenarios: Sequence[Scenario], journal: Journal) -> dict[int, ScenarioPicture]:
+    pictures = {}
+    for index, scenario in enumerate(scenarios):
+        data = journal.finished.get(digest(scenario))
+        if data is not None:
+            with suppress(ValueError):  # it is drawn again
+                pictures[index] = picture_from_bytes(data)
+    return pictures
 
 
 def _unpack(

@@ -17,13 +17,15 @@ from scenarios.cli.options import (
     PresetName,
     ResultsOut,
     RightView,
+    Shortest,
+    StereoLayout,
+    read_layout,
     refuse_both_detectors,
 )
 
 
 def track(
     left: LeftView,
-    right: RightView,
     calibration: Annotated[
         tuple[Path, Path],
         typer.Option(
@@ -33,6 +35,9 @@ def track(
         ),
     ],
     out: ResultsOut,
+    right: RightView = None,
+    stereo: StereoLayout = "separate",
+    shortest: Shortest = False,
     background_left: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Person-free pictures, left view.")
     ] = None,
@@ -43,8 +48,18 @@ def track(
         int | None,
         typer.Option(metavar="N", help="Instead: the footage's first N frames are person-free."),
     ] = None,
+    background_from_footage: Annotated[
+        bool,
+        typer.Option(
+            "--background-from-footage",
+            help="Instead: what is seen most of the time, pixel by pixel. For a person who moves.",
+        ),
+    ] = False,
+    no_background: Annotated[
+        bool, typer.Option("--no-background", help="Instead: none, skin colour alone.")
+    ] = False,
     fps: Annotated[
-        float | None, typer.Option(help="Frames a second [the video's own; 3 for folders].")
+        float | None, typer.Option(help="Frames a second [the video's own times; 3 for folders].")
     ] = None,
     preset: PresetName = DEFAULT_PRESET,
     detector: PlugInName = None,
@@ -95,6 +110,10 @@ def track(
             unit=unit,
             out=out,
             argv=tuple(sys.argv[1:]),
+            layout=read_layout(stereo),
+            shortest=shortest,
+            no_background=no_background,
+            background_from_footage=background_from_footage,
             detections=detections,
             lag=lag,
         )
@@ -103,12 +122,14 @@ def track(
 
 def calibrate(
     left: LeftView,
-    right: RightView,
     board: Annotated[
         str, typer.Option(metavar="9x6", help="Inner corners of the board, columns x rows.")
     ],
     square: Annotated[float, typer.Option(metavar="M", help="Side of a square [m].")],
     out: ResultsOut,
+    right: RightView = None,
+    stereo: StereoLayout = "separate",
+    shortest: Shortest = False,
     charuco: Annotated[
         str | None,
         typer.Option(metavar="DICT", help="ChArUco board with markers such as DICT_4X4_50."),
@@ -129,5 +150,16 @@ def calibrate(
     from scenarios.footage.calibrate import calibrate as calibrate_cameras
 
     calibrate_cameras(
-        CalibrateRequest(left, right, board, square, charuco, marker, coefficients, out)
+        CalibrateRequest(
+            left,
+            right,
+            board,
+            square,
+            charuco,
+            marker,
+            coefficients,
+            out,
+            read_layout(stereo),
+            shortest,
+        )
     )

@@ -8,7 +8,7 @@ import platform
 import sys
 from dataclasses import dataclass
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import InfrastructureError
 
 PACKAGES = (
     "mujoco",
@@ -74,9 +74,8 @@ def _rendering() -> list[Finding]:
     setting = Finding("MUJOCO_GL", True, asked if asked else "not set (chosen by probing)")
     try:
         renderer = check_renderer()
-    except BenchError as fault:
-        cause, _, remedy = str(fault).partition("; ")
-        return [setting, Finding("offscreen OpenGL", False, cause, remedy)]
+    except InfrastructureError as fault:
+        return [setting, Finding("offscreen OpenGL", False, fault.cause, fault.remedy)]
     return [
         setting,
         Finding("offscreen OpenGL", True, renderer),

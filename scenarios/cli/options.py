@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from pjpdaf.errors import BenchError
+from pjpdaf.layouts import LAYOUTS, Layout
 
 Targets = Annotated[
     list[str] | None,
@@ -48,8 +49,26 @@ ExportFormats = Annotated[
 LeftView = Annotated[
     Path, typer.Option(metavar="DIR|VIDEO", help="Left view: folder, pattern or video.")
 ]
-RightView = Annotated[Path, typer.Option(metavar="DIR|VIDEO", help="Right view, likewise.")]
+RightView = Annotated[Path | None, typer.Option(metavar="DIR|VIDEO", help="Right view, likewise.")]
+StereoLayout = Annotated[
+    str,
+    typer.Option(
+        "--stereo",
+        help="separate; or both views in each picture of --left: side-by-side, top-bottom.",
+    ),
+]
+Shortest = Annotated[
+    bool, typer.Option("--shortest", help="Of views of unlike length leave out the rest.")
+]
 ResultsOut = Annotated[Path, typer.Option(metavar="DIR", help="New folder for all results.")]
+
+
+def read_layout(text: str) -> Layout:
+    """Read --stereo. Raises BenchError."""
+    for layout in LAYOUTS:
+        if text == layout:
+            return layout
+    raise BenchError(f"--stereo must be one of {', '.join(LAYOUTS)}, got {text!r}")
 
 
 def refuse_both_detectors(detections: Path | None, detector: str | None) -> None:

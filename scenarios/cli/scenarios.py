@@ -1,4 +1,4 @@
-"""The verbs of `scenarios`: list, show, measure, validate, schema."""
+"""The verbs of `scenarios`: list, show, measure, validate, schema, clip."""
 
 from __future__ import annotations
 
@@ -131,3 +131,21 @@ def schema() -> None:
     from scenarios.spec.schema import json_schema
 
     typer.echo(json.dumps(json_schema(), indent=2))
+
+
+@app.command("clip")
+def clip(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="An .npz, .csv or .bvh file.")],
+    unit: Annotated[
+        str | None,
+        typer.Option(help="Unit of a BVH file: mm, cm, m, inch, or a number of metres [guessed]."),
+    ] = None,
+    begin: Annotated[float, typer.Option(help="Where it begins [s].")] = 0.0,
+    end: Annotated[float | None, typer.Option(help="Where it ends [s].")] = None,
+    out: Annotated[Path | None, typer.Option(help="Write it in metres to this .npz file.")] = None,
+) -> None:
+    """Say what a clip of recorded motion is; for `--set clip=FILE` of the scenario `recorded`."""
+    from scenarios.catalogue.clip import ClipRequest, describe_clip
+
+    for line in describe_clip(ClipRequest(file, unit, begin, end, out)):
+        typer.echo(line)

@@ -80,11 +80,14 @@ def interrupts() -> Iterator[Interrupts]:
 
 
 @contextmanager
-def unwritten_if_interrupted(path: Path) -> Iterator[None]:
-    """End the block at the first signal. Raises Interrupted, which says that `path` is missing."""
+def unwritten_if_interrupted(path: Path, remedy: str = "") -> Iterator[None]:
+    """End the block at the first signal.
+
+    Raises Interrupted, which says that `path` is missing; remedy: the end of that line.
+    """
     with interrupts() as arrived:
         try:
             with arrived.raising():
                 yield
         except KeyboardInterrupt:
-            raise Interrupted(f"interrupted: {path} is not written") from None
+            raise Interrupted(f"interrupted: {path} is not written{remedy}") from None

@@ -17,6 +17,7 @@ from pjpdaf.calibrate import calibrate as calibrate_pairs
 from pjpdaf.calibration import view_order_doubt
 from pjpdaf.calibration_report import CalibrationReport
 from pjpdaf.errors import BenchError
+from pjpdaf.layouts import Layout
 from pjpdaf.sources import PicturePair, open_source, picture_pairs
 from pjpdaf.stereo_solver import LENS_FLAGS
 from scenarios.console.folder import written_whole
@@ -28,13 +29,15 @@ class CalibrateRequest:
     """The options of `calibrate`; None = not given."""
 
     left: Path
-    right: Path
+    right: Path | None
     board: str
     square_m: float
     charuco: str | None
     marker_m: float | None
     coefficients: int
     out: Path
+    layout: Layout = "separate"
+    shortest: bool = False
 
 
 def calibrate(request: CalibrateRequest) -> None:
@@ -44,15 +47,17 @@ def calibrate(request: CalibrateRequest) -> None:
         choices = ", ".join(map(str, LENS_FLAGS))
         raise BenchError(f"--coefficients must be one of {choices}, got {request.coefficients}")
     console = Console(stderr=True)
-    if request.left.resolve() == request.right.resolve():
+    if request.right is not None and request.left.resolve() == request.right.resolve():
         raise BenchError(f"--left and --right are the same: {request.left}")
     with written_whole(request.out) as part:
         pairs = picture_pairs(
             request.left,
             request.right,
             lambda message: console.print(message, markup=False, highlight=False, soft_wrap=True),
+            request.shortest,
+            request.layout,
         )
-        total = max(open_source(path).count for path in (request.left, request.right))
+        total = max(open_source(path).count for path in (request.left, request.right) if path)
         with progress_bar(console) as progress:
             task = progress.add_task("finding corners", total=total or None)
 

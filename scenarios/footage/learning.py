@@ -21,6 +21,7 @@ from pjpdaf.sources import (
 )
 from scenarios.footage.session import TrackSession
 from scenarios.footage.skin_sample import HEAD
+from scenarios.footage.usual_scene import usual_frames
 from scenarios.play.settings import read_settings
 
 HEAD_FRAMES = 30  # of the footage, after its background, that teach the skin
@@ -60,6 +61,20 @@ def learn_scene(session: TrackSession, warn: Callable[[str], None]) -> TrackSess
 def learn_background(session: TrackSession, warn: Callable[[str], None]) -> Detector:
     """Learn the person-free scene; returns the detector that knows it. Raises BenchError."""
     request = session.request
+    if request.no_background:
+        warn(
+            "--no-background: everything of the colour of skin is taken for skin, so a wall, a "
+            "table or clothes of such a colour hide the hands."
+        )
+        return session.detector
+    if request.background_from_footage:
+        frames, still = usual_frames(session.frames(), session.total)
+        warn(
+            "--background-from-footage: what does not move becomes background. "
+            f"{100 * still:.0f} % of the pixels of the colour of skin hardly change; a hand or "
+            "head that rests most of the time is among them and is not found."
+        )
+        return session.detector.learn(frames)
     if request.background_first is not None:
         count = request.background_first
         if session.total is not None and count > session.total:
@@ -70,10 +85,9 @@ def learn_background(session: TrackSession, warn: Callable[[str], None]) -> Dete
         return session.detector.learn(itertools.islice(session.frames(), count))
     left, right = request.background_left, request.background_right
     assert left is not None
-    assert right is not None
     # Each view learns for itself: unlike lengths do no harm.
     return session.detector.learn(
-        stereo_frames(left, right, session.rate_hz, session.sizes_px, warn, shortest=True)
+        stereo_frames(left, right, session.rate_hz, session.sizes_px, warn, True, request.layout)
     )
 
 

@@ -16,11 +16,15 @@ from scenarios.footage.session import TrackSession
 def page_info(session: TrackSession, film: Path | None, complete: bool) -> TrackInfo:
     """The description of a session that its page shows. film: its file, None without one."""
     request = session.request
-    background = (
-        f"the first {request.background_first} frames"
-        if request.background_first is not None
-        else f"{request.background_left} and {request.background_right}"
+    background = " and ".join(
+        str(path) for path in (request.background_left, request.background_right) if path
     )
+    if request.background_first is not None:
+        background = f"the first {request.background_first} frames"
+    elif request.no_background:
+        background = "none: skin alone"
+    elif request.background_from_footage:
+        background = "median of the footage"
     return TrackInfo(
         title=f"Tracks: {request.out.absolute().name}",
         complete=complete,
@@ -28,7 +32,7 @@ def page_info(session: TrackSession, film: Path | None, complete: bool) -> Track
         rig=session.rig,
         sources=(
             ("left", str(request.left)),
-            ("right", str(request.right)),
+            ("right", str(request.right) if request.right else f"{request.layout} with left"),
             ("background", background),
             ("calibration", " and ".join(map(str, request.calibration))),
             ("frames a second", f"{session.rate_hz:g}"),

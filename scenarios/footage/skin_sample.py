@@ -8,9 +8,7 @@ from typing import Any
 
 from pjpdaf.detector.skin import learn_skin_range
 from pjpdaf.errors import BenchError
-from pjpdaf.sources import (
-    read_picture,
-)
+from pjpdaf.picture_files import read_picture
 
 HEAD = "head"  # instead of a picture: learn from the head in the first frames
 

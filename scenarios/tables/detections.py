@@ -101,17 +101,18 @@ def read_detections(
     cameras: Mapping[str, Sequence[Camera]],
     frame_counts: Mapping[str, int | None],
     min_score: float = 0.0,
+    whole: str = "the data set",
 ) -> dict[str, tuple[DetectionTable, ...]]:
     """Read the detections of each sequence, a table a view.
 
-    cameras, frame_counts: of the sequences, by name. A sequence without any row is absent. Raises
-    BenchError naming file and line.
+    cameras, frame_counts: of the sequences, by name; whole: what they are of, for messages. A
+    sequence without any row is absent. Raises BenchError naming file and line.
     """
 
     def builder(_: Path, name: str) -> DetectionsBuilder:
         return DetectionsBuilder(cameras[name], frame_counts[name], min_score)
 
-    builders = read_sequences(path, list(frame_counts), COLUMNS, builder, "detections")
+    builders = read_sequences(path, list(frame_counts), COLUMNS, builder, "detections", whole)
     return {name: one.tables() for name, one in builders.items()}
 
 

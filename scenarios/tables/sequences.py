@@ -38,11 +38,13 @@ def read_sequences(
     columns: Columns,
     builder: Callable[[Path, str], B],
     noun: str,
+    whole: str = "the data set",
 ) -> dict[str, B]:
     """Read a file or folder into a builder for each sequence that has rows in it.
 
     names: of the sequences; builder: makes one for a file and a sequence; noun: of the content,
-    for messages, and the name of the CSV file in a sequence's folder. Raises BenchError.
+    for messages, and the name of the CSV file in a sequence's folder; whole: what the sequences
+    are of, for messages. Raises BenchError.
     """
     if path.is_dir():
         return _read_folder(path, names, columns, builder, noun)
@@ -56,7 +58,9 @@ def read_sequences(
         name = row.get("sequence", only)
         if name not in builders:
             hint = did_you_mean(str(name), builders) or f"; there are {_listed(names)}"
-            raise BenchError(f"{where}: no sequence {str(name)[:60]!r} in the data set{hint}")
+            if only is not None:
+                hint = f"; it is one sequence, {only}: leave the column `sequence` out"
+            raise BenchError(f"{where}: no sequence {str(name)[:60]!r} in {whole}{hint}")
         builders[name].add(where, row)
     return {name: one for name, one in builders.items() if one.rows}
 

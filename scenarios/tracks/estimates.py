@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from pjpdaf.arrays import Floats
@@ -14,6 +16,9 @@ from sim.dataset.stored_sequence import StoredSequence
 
 FRAMES = ("world", "left")
 FAR_M = 50.0  # median distance from the cameras; above it, positions are not in metres
+MOVING_M = 0.03  # a frame; slower, a shift makes little difference
+LEAST_MOVING = 6  # positions of targets that move so
+NEARER = 0.6
 NOTABLE_M = 0.1  # median error that may come from the wrong --frame
 
 
@@ -72,6 +77,46 @@ def much_nearer(sequence: StoredSequence, given: list[Estimates], other: list[Es
         return False
     now, then = (float(np.nanmedian(error)) for error in errors)
     return now > NOTABLE_M and then < now / 2
+
+
+@dataclass(frozen=True)
+class FrameShift:
+    """Tracks that fit the truth of other frames much better than that of their own.
+
+    frames: their frame number plus this is the truth's that fits; now_mm, then_mm: median error
+    where targets move, as the frames are numbered and with the shift.
+    """
+
+    frames: int
+    now_mm: float
+    then_mm: float
+
+
+def frame_shift(sequence: StoredSequence, estimates: list[Estimates]) -> FrameShift | None:
+    """The shift by one frame with which tracks would be much nearer; None without any.
+
+    Frames counted from 1, or a picture lost at the start, look like a tracker that is late.
+    """
+    centres = np.stack([truth.centres_m for truth in sequence.truths])
+    positions = _positions(estimates)
+    if len(centres) < LEAST_MOVING + 2:
+        return None
+    inner = slice(1, -1)  # frames that have a neighbour on both sides
+    moved = np.linalg.norm(centres[2:] - centres[:-2], axis=-1) / 2.0
+    errors = {
+        shift: np.linalg.norm(
+            positions[inner] - centres[1 + shift : len(centres) - 1 + shift], axis=-1
+        )
+        for shift in (-1, 0, 1)
+    }
+    used = (moved > MOVING_M) & np.isfinite(errors[0])
+    if used.sum() < LEAST_MOVING:
+        return None
+    medians = {shift: 1000.0 * float(np.median(error[used])) for shift, error in errors.items()}
+    best = min(medians, key=lambda shift: medians[shift])
+    if best == 0 or medians[best] > NEARER * medians[0] or medians[0] - medians[best] < 10.0:
+        return None
+    return FrameShift(best, medians[0], medians[best])
 
 
 def _positions(estimates: list[Estimates]) -> Floats:

@@ -31,6 +31,7 @@ from scenarios.tracks.estimates import (
     FRAMES,
     check_metres,
     estimates_of,
+    frame_shift,
     lost_estimates,
     much_nearer,
 )
@@ -118,6 +119,13 @@ def _score_sequence(
         other = FRAMES[1 - FRAMES.index(frame)]
         if much_nearer(sequence, estimates, estimates_of(tracks, camera, other)):
             notes.append(f"{tracks.path}: as --frame {other} the tracks would be much nearer")
+        shift = frame_shift(sequence, estimates)
+        if shift is not None:
+            notes.append(
+                f"{tracks.path}: {sequence.name}: with frame numbers {shift.frames:+d} the tracks "
+                f"would be much nearer where something moves ({shift.then_mm:.0f} mm for "
+                f"{shift.now_mm:.0f} mm, median): are its frames counted from 0, and is none lost?"
+            )
     return rows_of(episode_of(sequence, identity, estimates, pictures=pictures)), notes
 
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -23,6 +24,11 @@ _ARM_M = 0.54
 _ARM_SPREAD = 1.35  # of children and giants
 # Units in use; the last is that of the CMU data base's skeletons (1 / 0.45 inch).
 UNITS_M = {"mm": 0.001, "cm": 0.01, "m": 1.0, "inch": 0.0254, "1/0.45 inch": 0.0254 / 0.45}
+
+MOST_PLACES = 8_000_000  # frames x joints: 110 minutes at 60 Hz with 20 joints
+# A first frame is a pose of its own where an arm's joint then moves by this share of the upper arm,
+# and so many times as far as it ever does later from frame to frame.
+_POSE_JUMP, _POSE_FACTOR = 0.3, 4.0
 
 # Where the torso goes and turns slower than this, it is not gesture but standing elsewhere.
 _WANDER_S = 2.0
@@ -43,8 +49,7 @@ _PALM_SHARE = 0.8  # of the way from the wrist to the knuckles, as our hands are
 _KNUCKLES_FROM = 0.22  # of the forearm: nearer to the wrist are metacarpals
 
 
-@dataclass(frozen=True)
-class _Side:
+class _Side(NamedTuple):
     """Indices of an arm's joints."""
 
     shoulder: int
@@ -94,19 +99,27 @@ def _knuckles(nodes: tuple[Node, ...], arm: _Side, first: Floats) -> int | None:
     return None
 
 
-def clip_of_bvh(text: str, path: str, unit_m: float | None = None) -> Clip:
+def clip_of_bvh(
+    text: str, path: str, unit_m: float | None = None, judged_s: tuple[float, float] | None = None
+) -> Clip:
     """A BVH text as a clip; `path` names it in faults. unit_m: of its lengths, None = guessed.
 
     The figure's slow walking and turning is taken out (everything below about 0.1 Hz): places are
-    relative to where the shoulders then were on the whole. Raises BenchError.
+    relative to where the shoulders then were on the whole. judged_s: as of `clip_of`. Raises
+    BenchError.
     """
     skeleton = read_bvh(text, path)
-    nodes = skeleton.nodes
-    arms = {side: _arm(nodes, side, path) for side in ("left", "right")}
-    skeleton, notes = _without_bind_pose(skeleton)
+    arms = {side: _arm(skeleton.nodes, side, path) for side in ("left", "right")}
     if len(skeleton.values) < 2:
         raise BenchError(f"{path}: has {len(skeleton.values)} frames; a motion needs at least 2")
+    skeleton, arms, knuckles = _needed(skeleton, arms, path)
+    nodes = skeleton.nodes
     positions, rotations = skeleton.places()
+    notes: tuple[str, ...] = ()
+    if _begins_with_a_pose(positions[:, [j for a in arms.values() for j in a]]):
+        skeleton = Skeleton(nodes, skeleton.values[1:], skeleton.frame_s)
+        positions, rotations = positions[1:], rotations[1:]
+        notes = ("the first frame is a pose of its own (bind or T pose) and is left out",)
     arm = np.mean(
         [
             np.linalg.norm(positions[0, upper] - positions[0, lower])
@@ -121,9 +134,9 @@ def clip_of_bvh(text: str, path: str, unit_m: float | None = None) -> Clip:
         wrist, elbow = positions[:, a.wrist], positions[:, a.elbow]
         places |= {f"{side}_shoulder": positions[:, a.shoulder], f"{side}_elbow": elbow}
         places |= {f"{side}_wrist": wrist}
-        knuckles = _knuckles(nodes, a, positions[0])
-        if knuckles is not None:
-            places[f"{side}_hand"] = wrist + _PALM_SHARE * (positions[:, knuckles] - wrist)
+        root = knuckles[side]
+        if root is not None:
+            places[f"{side}_hand"] = wrist + _PALM_SHARE * (positions[:, root] - wrist)
             continue
         forearm = wrist - elbow
         length = np.linalg.norm(forearm, axis=1, keepdims=True)
@@ -142,18 +155,47 @@ def clip_of_bvh(text: str, path: str, unit_m: float | None = None) -> Clip:
     xyz = np.stack([places[joint] for joint in joints], axis=1) - origin[:, None]
     turned: Floats = xyz @ frame
     times: Floats = np.arange(len(xyz), dtype=np.float64) * skeleton.frame_s
-    return clip_of(path, times, joints, turned, (basis, *notes))
+    return clip_of(path, times, joints, turned, (basis, *notes), judged_s)
 
 
-def _without_bind_pose(skeleton: Skeleton) -> tuple[Skeleton, tuple[str, ...]]:
-    """Without a first frame whose angles are all zero: many files begin with the bind pose."""
-    turns = [c.endswith("rotation") for node in skeleton.nodes for c in node.channels]
-    if len(skeleton.values) > 2 and any(turns):
-        angles = np.abs(skeleton.values[:2, turns]).max(axis=1)
-        if angles[0] == 0.0 and angles[1] > 1.0:
-            rest = Skeleton(skeleton.nodes, skeleton.values[1:], skeleton.frame_s)
-            return rest, ("the first frame is the bind pose and is left out",)
-    return skeleton, ()
+def _needed(
+    skeleton: Skeleton, arms: Mapping[str, _Side], path: str
+) -> tuple[Skeleton, dict[str, _Side], dict[str, int | None]]:
+    """The part of a skeleton that moves arms and head; its arms, and the roots of their fingers.
+
+    Rigs with fingers and faces have ten times as many joints.
+    """
+    first = Skeleton(skeleton.nodes, skeleton.values[:1], skeleton.frame_s).places()[0][0]
+    knuckles = {side: _knuckles(skeleton.nodes, arm, first) for side, arm in arms.items()}
+    head = next((k for k, node in enumerate(skeleton.nodes) if _HEAD.match(node.name)), None)
+    tips = [joint for arm in arms.values() for joint in arm]
+    tips += [joint for joint in (*knuckles.values(), head) if joint is not None]
+    if head is not None:  # its child says how large it is
+        tips += [k for k, node in enumerate(skeleton.nodes) if node.parent == head][:1]
+    reduced, index = skeleton.above(tips)
+    if len(reduced.values) * len(reduced.nodes) > MOST_PLACES:
+        raise BenchError(
+            f"{path}: has {len(reduced.values)} frames of {len(reduced.nodes)} joints between root "
+            f"and hands; at most {MOST_PLACES} places are read: cut it"
+        )
+    return (
+        reduced,
+        {side: _Side(*(index[joint] for joint in arm)) for side, arm in arms.items()},
+        {side: None if k is None else index[k] for side, k in knuckles.items()},
+    )
+
+
+def _begins_with_a_pose(positions: Floats) -> bool:
+    """Whether the first frame jumps to the second as nothing does later; positions (n, k, 3).
+
+    Most files of motion capture begin with the pose in which their skeleton was drawn.
+    """
+    if len(positions) < 3:
+        return False
+    here = positions - positions.mean(axis=1, keepdims=True)  # not how the figure walks
+    steps = np.linalg.norm(np.diff(here, axis=0), axis=2).max(axis=1)
+    arm = float(np.linalg.norm(here[0, 0] - here[0, 1]))
+    return bool(steps[0] > _POSE_JUMP * arm and steps[0] > _POSE_FACTOR * steps[1:].max())
 
 
 def _unit(arm: float, unit_m: float | None, path: str) -> tuple[float, str]:
@@ -163,9 +205,12 @@ def _unit(arm: float, unit_m: float | None, path: str) -> tuple[float, str]:
     for name, size in UNITS_M.items():
         if _ARM_M / _ARM_SPREAD <= arm * size <= _ARM_M * _ARM_SPREAD:
             return size, f"unit taken to be {name}: the arm is {arm:.4g} long"
-    raise BenchError(
-        f"{path}: upper arm and forearm are {arm:.4g} long, in none of {', '.join(UNITS_M)} a "
-        "person's: scale the file to metres"
+    if not 0.0 < arm < math.inf or not 1e-9 < _ARM_M / arm < 1e9:
+        raise BenchError(f"{path}: upper arm and forearm are {arm:.4g} long: no person's")
+    size = _ARM_M / arm
+    return size, (
+        f"unit guessed to be {size:.4g} m, by which the person has a stature of 1.70 m: upper arm "
+        f"and forearm are {arm:.4g} long, in none of {', '.join(UNITS_M)} a person's"
     )
 
 
@@ -191,11 +236,22 @@ def _torso(positions: Floats, arms: dict[str, _Side], frame_s: float) -> tuple[F
     rise = (middle - positions[:, 0]).mean(axis=0)
     up = np.zeros(3)
     up[int(np.abs(rise).argmax())] = math.copysign(1.0, float(rise[np.abs(rise).argmax()]))
-    sigma = _WANDER_S / frame_s
     across = left - right
-    across = across - (across @ up)[:, None] * up
-    across = gaussian_filter1d(across, sigma, axis=0, mode="nearest")
+    across = _slow(across - (across @ up)[:, None] * up, frame_s)
     y = across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-9)
     frame: Floats = np.stack([np.cross(y, up), y, np.broadcast_to(up, y.shape)], axis=2)
-    origin: Floats = gaussian_filter1d(middle, sigma, axis=0, mode="nearest")
-    return frame, origin
+    return frame, _slow(middle, frame_s)
+
+
+def _slow(values: Floats, frame_s: float) -> Floats:
+    """The slow mean (n, 3) of values, of deviation _WANDER_S.
+
+    Of long clips at a high rate it is taken of every k-th frame, still 50 in a deviation.
+    """
+    sigma = _WANDER_S / frame_s
+    every = max(1, int(sigma / 50)) if sigma * len(values) > 5e6 else 1
+    few = gaussian_filter1d(values[::every], sigma / every, axis=0, mode="nearest")
+    if every == 1:
+        return np.asarray(few)
+    at, known = np.arange(len(values)), np.arange(0, len(values), every)
+    return np.stack([np.interp(at, known, few[:, axis]) for axis in range(3)], axis=1)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from pjpdaf.errors import BenchError
 MAX_JOINTS = 1000
 
 MAX_FRAMES = 500_000
+MIN_FRAME_S = 0.001  # faster than any motion capture
 
 _CHANNELS = tuple(f"{axis}{kind}" for kind in ("position", "rotation") for axis in "XYZ")
 
@@ -40,6 +41,21 @@ class Skeleton:
     nodes: tuple[Node, ...]
     values: Floats
     frame_s: float
+
+    def above(self, joints: Iterable[int]) -> tuple[Skeleton, dict[int, int]]:
+        """The skeleton of these joints and all above them, and their indices in it, by the old."""
+        kept: set[int] = {0}
+        for joint in joints:
+            while joint >= 0 and joint not in kept:
+                kept.add(joint)
+                joint = self.nodes[joint].parent
+        index = {old: new for new, old in enumerate(sorted(kept))}
+        nodes = tuple(
+            replace(self.nodes[k], parent=index.get(self.nodes[k].parent, -1)) for k in index
+        )
+        counts = np.array([len(node.channels) for node in self.nodes])
+        columns = np.isin(np.repeat(np.arange(len(counts)), counts), list(index))
+        return Skeleton(nodes, self.values[:, columns], self.frame_s), index
 
     def places(self) -> tuple[Floats, Floats]:
         """Positions (n, k, 3) of all joints, and rotations (n, k, 3, 3) own -> world.
@@ -196,11 +212,12 @@ def _motion(text: str, path: str, line: int, nodes: tuple[Node, ...]) -> Skeleto
     count = int(frames[1])
     try:
         frame_s = float(step[1])
-        if not 0.0 < frame_s <= 10.0:
+        if not MIN_FRAME_S <= frame_s <= 10.0:
             raise ValueError
     except ValueError:
         raise BenchError(
-            f"{path}:{lines[1][0]}: Frame Time must be above 0 and up to 10 s, got {step[1][:40]}"
+            f"{path}:{lines[1][0]}: Frame Time must be from {MIN_FRAME_S:g} to 10 s, "
+            f"got {step[1][:40]}"
         ) from None
     if count > MAX_FRAMES:
         raise BenchError(f"{path}:{lines[0][0]}: has more than {MAX_FRAMES} frames")

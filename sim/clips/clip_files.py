@@ -25,7 +25,7 @@ from sim.clips.clips import HANDS, JOINTS, Clip, clip_of
 SUFFIXES = (".npz", ".csv", ".bvh")
 MAX_BYTES = 64 << 20
 MAX_UNPACKED = 256 << 20  # of an NPZ: it may be compressed
-MAX_FRAMES = 1_000_000
+MAX_FRAMES = 500_000
 MAX_COLUMNS = 10_000
 
 # The short names of joints: NPZ files, and the CSV files that go with them.
@@ -44,8 +44,15 @@ SHORT = {
 }
 
 
-def load_clip(path: Path | str) -> Clip:
-    """The clip of an .npz, .csv or .bvh file. Raises BenchError with file and place of a fault."""
+def load_clip(
+    path: Path | str,
+    judged_s: tuple[float, float] | None = None,
+    unit_m: float | None = None,
+) -> Clip:
+    """The clip of an .npz, .csv or .bvh file. Raises BenchError with file and place of a fault.
+
+    judged_s: as of `clip_of`; unit_m: of a BVH file's lengths, None = guessed.
+    """
     file = Path(path)
     suffix = file.suffix.lower()
     if suffix not in SUFFIXES:
@@ -58,27 +65,36 @@ def load_clip(path: Path | str) -> Clip:
         state = file.stat()
         if state.st_size > MAX_BYTES:
             raise BenchError(f"{path}: is larger than {MAX_BYTES >> 20} MiB")
-        return _load(str(path), suffix, state.st_size, state.st_mtime_ns)
+        return _load(str(path), suffix, state.st_size, state.st_mtime_ns, judged_s, unit_m)
     except OSError as fault:
         reason = (fault.strerror or str(fault)).lower()
         raise BenchError(f"{path}: cannot be read: {reason}") from None
 
 
 @lru_cache(maxsize=4)  # an episode reads its clip several times
-def _load(path: str, suffix: str, size: int, mtime_ns: int) -> Clip:
+def _load(
+    path: str,
+    suffix: str,
+    size: int,
+    mtime_ns: int,
+    judged_s: tuple[float, float] | None,
+    unit_m: float | None,
+) -> Clip:
     if suffix == ".npz":
-        return _clip_of_npz(path)
+        return _clip_of_npz(path, judged_s)
     try:
         text = Path(path).read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as fault:
         raise BenchError(f"{path}: is not UTF-8 text (byte {fault.start})") from None
-    return clip_of_csv(text, path) if suffix == ".csv" else clip_of_bvh(text, path)
+    if suffix == ".csv":
+        return clip_of_csv(text, path, judged_s)
+    return clip_of_bvh(text, path, unit_m, judged_s)
 
 
 # --- NPZ -----------------------------------------------------------------------------------------
 
 
-def _clip_of_npz(path: str) -> Clip:
+def _clip_of_npz(path: str, judged_s: tuple[float, float] | None = None) -> Clip:
     """`t` (n,) [s]; `joints` (k,) short names; `xyz` (n, k, 3) [m], NaN = not recorded."""
     arrays = _arrays(path, ("t", "joints", "xyz"))
     times, names, xyz = arrays["t"], arrays["joints"], arrays["xyz"]
@@ -101,7 +117,11 @@ def _clip_of_npz(path: str) -> Clip:
         if joints.count(joint) > 1:
             raise BenchError(f"{path}: joints: {joint!r} is there twice")
     return clip_of(
-        path, times.astype(np.float64), tuple(SHORT[j] for j in joints), xyz.astype(np.float64)
+        path,
+        times.astype(np.float64),
+        tuple(SHORT[j] for j in joints),
+        xyz.astype(np.float64),
+        judged_s=judged_s,
     )
 
 
@@ -147,7 +167,7 @@ def _line(fault: Exception) -> str:
 # --- CSV -----------------------------------------------------------------------------------------
 
 
-def clip_of_csv(text: str, path: str) -> Clip:
+def clip_of_csv(text: str, path: str, judged_s: tuple[float, float] | None = None) -> Clip:
     """Columns `t` or `time_s` [s], then x, y, z [m] of joints: `lhand_x` or `left_hand_x`.
 
     Lines before the header that begin with # are comments; an empty cell or nan = not recorded;
@@ -173,7 +193,8 @@ def clip_of_csv(text: str, path: str) -> Clip:
     except csv.Error as fault:
         raise BenchError(f"{path}:{top + rows.line_num}: is not CSV: {fault}") from None
     table = np.array(numbers, dtype=np.float64).reshape(len(numbers), len(wanted))
-    return clip_of(path, table[:, 0], joints, table[:, 1:].reshape(len(table), len(joints), 3))
+    xyz = table[:, 1:].reshape(len(table), len(joints), 3)
+    return clip_of(path, table[:, 0], joints, xyz, judged_s=judged_s)
 
 
 def _columns(header: list[str], where: str) -> tuple[int, dict[str, tuple[int, int, int]]]:

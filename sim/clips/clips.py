@@ -97,13 +97,19 @@ def mirrored(clip: Clip) -> Clip:
 
 
 def clip_of(
-    name: str, times_s: Floats, joints: tuple[str, ...], xyz: Floats, notes: tuple[str, ...] = ()
+    name: str,
+    times_s: Floats,
+    joints: tuple[str, ...],
+    xyz: Floats,
+    notes: tuple[str, ...] = (),
+    judged_s: tuple[float, float] | None = None,
 ) -> Clip:
     """A checked clip of the data of a file; xyz (n, k, 3) with NaN = not recorded.
 
     Joints that are never there are left out; palms are put ahead of the wrists where only these
     are known; time begins with the first frame that has both hands and ends with the last; gaps are
-    bridged. Raises BenchError naming the clip, the joint or frame, the time, and the rule.
+    bridged. judged_s: only between these times of the clip are jumps and gaps of the hands faults;
+    None: everywhere. Raises BenchError naming the clip, the joint or frame, the time, and the rule.
     """
     _check_times(name, times_s)
     tracks = {joint: xyz[:, k] for k, joint in enumerate(joints) if joint in JOINTS}
@@ -137,10 +143,13 @@ def clip_of(
             path = tracks[joint][first:last]
             gaps += _gaps(joint, kept_s, path)
             paths.append((joint, _bridged(kept_s, path)))
-    _check_gaps(name, gaps)
-    for joint, path in paths:
-        _check_steps(name, joint, kept_s, path)
     start_s = float(kept_s[0])
+    low_s, high_s = (start_s + t for t in judged_s or (0.0, np.inf))
+    _check_gaps(name, [gap for gap in gaps if gap.to_s >= low_s and gap.from_s <= high_s])
+    near = (kept_s >= low_s) & (kept_s <= high_s)
+    for joint, path in paths:
+        if near.sum() > 1:
+            _check_steps(name, joint, kept_s[near], path[near])
     return Clip(
         name,
         kept_s - start_s,

@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from sim.families.sizes import CAN
-from sim.motion.motion import Hold, MotionPlan, successive
+from sim.families.using import use
+from sim.motion.motion import Hold, MotionPlan
 from sim.motion.planner import grasp
 from sim.motion.posture import posture
 from sim.motion.stage import Family, Stage, Values, number, side_of
@@ -83,17 +84,8 @@ def _drink(stage: Stage) -> MotionPlan:
     put_s = hand.clock_s
     hand.let_go(taking, put, moved, speed, 0.5 * speed)
     hand.move(stage.rest(side), 0.6 * speed, [0.0, 0.0, 0.03])
-    return stage.plan(
-        hands,
-        (Hold(can.name, side, taken, put_s),),
-        successive(
-            begun,
-            ("reach", taken),
-            ("to_mouth", at_mouth),
-            ("drink", leaving),
-            ("put_back", put_s),
-        ),
-    )
+    hold = Hold(can.name, side, taken, put_s)
+    return stage.plan(hands, (hold,), use(hold, begun, ("to_mouth", at_mouth), ("drink", leaving)))
 
 
 FAMILIES: Mapping[str, Family] = {

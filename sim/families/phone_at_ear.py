@@ -10,8 +10,9 @@ import numpy as np
 
 from sim.contact.arm_shape import height_above_table
 from sim.families.on_head import Laying, beside, laid_alone
+from sim.families.using import use
 from sim.motion.curves import sweep
-from sim.motion.motion import Hold, MotionPlan, successive
+from sim.motion.motion import Hold, MotionPlan
 from sim.motion.planner import curled
 from sim.motion.stage import Family, Stage, Values, number, side_of
 from sim.motion.strokes import HandState, between, quaternion_of
@@ -77,17 +78,8 @@ def _phone_at_ear(stage: Stage) -> MotionPlan:
     put_s = hand.clock_s
     hand.move(above.moved(moved), 0.6 * speed)
     hand.move(rest, 0.7 * speed, [0.0, 0.0, 0.03])
-    return stage.plan(
-        hands,
-        (Hold(phone.name, side, taken_s, put_s),),
-        successive(
-            begun,
-            ("reach", taken_s),
-            ("to_ear", at_ear_s),
-            ("at_ear", leaving),
-            ("put_back", put_s),
-        ),
-    )
+    hold = Hold(phone.name, side, taken_s, put_s)
+    return stage.plan(hands, (hold,), use(hold, begun, ("to_ear", at_ear_s), ("at_ear", leaving)))
 
 
 FAMILIES: Mapping[str, Family] = {

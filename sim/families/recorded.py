@@ -19,6 +19,7 @@ from sim.motion.stage import STILL_S, Family, Stage
 from sim.motion.strokes import HandPath, HandState, Stroke, minimum_jerk, stroke_duration
 
 _BOW_M = np.array([0.0, 0.0, 0.02])  # of the strokes that lead in
+_AROUND_S = 1.0  # of the clip around what is played, that is judged too
 _RAMP_S = 0.4  # in which the clip's time gets going, and comes to rest
 
 
@@ -94,7 +95,9 @@ class ClipCarriage:
 
 def _recorded(stage: Stage) -> MotionPlan:
     """From rest to the clip's first pose, the clip, and held still where it is over."""
-    clip = load_clip(str(stage.values["clip"]))
+    begin_s = stage.number("clip_start")
+    end_s = begin_s + stage.duration_s / stage.number("slow")
+    clip = load_clip(str(stage.values["clip"]), (begin_s - _AROUND_S, end_s + _AROUND_S))
     if stage.values["mirror"] == "yes":
         clip = mirrored(clip)
     start = stage.number("clip_start")

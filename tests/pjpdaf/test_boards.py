@@ -17,7 +17,7 @@ from rendered_boards import (
     render,
 )
 
-from pjpdaf.boards import find_corners, turned
+from pjpdaf.boards import charuco_board, find_corners, markers_seen, turned
 from pjpdaf.errors import BenchError
 
 
@@ -58,3 +58,19 @@ def test_no_board_no_corners(board):
 def test_an_impossible_board_is_refused(change, words):
     with pytest.raises(BenchError, match=words):
         dataclasses.replace(CHESS, **change)
+
+
+@pytest.mark.parametrize("inverted", [False, True])
+@pytest.mark.parametrize("legacy", [False, True])
+def test_a_charuco_board_white_on_black_or_of_the_older_pattern(inverted, legacy):
+    picture = charuco_board(CHARUCO, legacy).generateImage((720, 540), marginSize=40)
+    corners = find_corners(CHARUCO, 255 - picture if inverted else picture)
+    assert corners is not None
+    assert len(corners) == CHARUCO.columns * CHARUCO.rows
+
+
+def test_markers_of_another_board_are_counted():
+    other = dataclasses.replace(CHARUCO, columns=CHARUCO.columns + 3, rows=CHARUCO.rows - 1)
+    picture = charuco_board(other).generateImage((720, 540), marginSize=40)
+    assert markers_seen(CHARUCO, picture) > 10
+    assert markers_seen(CHESS, picture) == 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
 
 import cv2
@@ -9,15 +10,10 @@ import numpy as np
 import pytest
 
 from pjpdaf.errors import BenchError
-from pjpdaf.sources import (
-    PictureFolder,
-    Video,
-    natural_key,
-    open_source,
-    picture_pairs,
-    read_picture,
-    stereo_frames,
-)
+from pjpdaf.pairing import natural_key, paired
+from pjpdaf.picture_files import is_grey, read_picture, stored_fault
+from pjpdaf.sources import PictureFolder, open_source, picture_pairs, stereo_frames
+from pjpdaf.videos import Video
 
 SIZE = (64, 48)
 
@@ -130,7 +126,7 @@ def test_a_missing_picture_is_named_and_its_partner_kept(folders):
 
 def test_counts_that_differ_without_common_numbers(tmp_path):
     left = write(tmp_path / "l", ["a.png", "b.png", "c.png"])
-    right = write(tmp_path / "r", ["a.png", "b.png"])
+    right = write(tmp_path / "r", ["x.png", "y.png"])
     with pytest.raises(BenchError, match=r"l has 3 pictures, \S+r 2;") as fault:
         stereo_frames(left, right)  # before the first frame
     assert "\n" not in str(fault.value)
@@ -250,3 +246,133 @@ def test_names_with_spaces_and_umlauts(tmp_path):
     source = open_source(left)
     assert isinstance(source, PictureFolder)
     assert read_picture(source.files[0]) is not None
+
+
+CLOCK = [f"cap_{t}.png" for t in ("10-59-57", "10-59-58", "10-59-59", "11-00-00", "11-00-01")]
+DECIMAL = [f"{1305031102.175304 + k * 0.333:.6f}.png" for k in range(6)]
+STAMPS = ["2026-01-31_9.png", "2026-01-31_10.png", "2026-02-01_1.png", "2026-12-01_2.png"]
+
+
+@pytest.mark.parametrize("names", [CLOCK, DECIMAL, STAMPS], ids=["clock", "decimal", "dates"])
+def test_pictures_named_by_a_time_come_in_its_order(tmp_path, names):
+    left, right = write(tmp_path / "l", names), write(tmp_path / "r", names, 1)
+    messages: list[str] = []
+    frames = list(stereo_frames(left, right, warn=messages.append))
+    assert values(frames) == [10 * k for k in range(len(names))]
+    assert values(frames, 1) == [10 * k + 1 for k in range(len(names))]
+    assert messages == []
+
+
+def test_pairs_by_the_whole_name(tmp_path):
+    takes = [f"take{t}_left_{k:03d}.png" for t in (1, 2) for k in (7, 8)]
+    left = write(tmp_path / "l", takes)
+    right = write(tmp_path / "r", [name.replace("left", "right") for name in takes[1:]], 11)
+    messages: list[str] = []
+    frames = list(stereo_frames(left, right, warn=messages.append))
+    assert values(frames) == [0, 10, 20, 30]
+    assert values(frames, 1) == [None, 11, 21, 31]
+    assert len(messages) == 1
+    assert "take1_left_007.png" in messages[0]
+
+
+def test_names_that_leave_a_doubt_are_said(tmp_path):
+    names = ["0.5.png", "0.25.png", "0.75.png"]
+    assert (
+        "0.5.png is taken to come before 0.25.png"
+        in paired(*[[Path(n) for n in sorted(names, key=natural_key)]] * 2).note
+    )
+    left, right = (
+        write(tmp_path / "l", ["a7.png", "a8.png"]),
+        write(tmp_path / "r", ["b1.png", "b2.png"]),
+    )
+    messages: list[str] = []
+    assert len(list(picture_pairs(left, right, messages.append))) == 2
+    (line,) = messages
+    assert "do not belong together (a7.png, b1.png ...): they are paired in order" in line
+
+
+def write_times(path: Path, times_ms: list[int], size=SIZE) -> Path:
+    """A video whose frames have these times, in a container that says 30/s."""
+    av = pytest.importorskip("av")
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=30)
+        stream.width, stream.height, stream.pix_fmt = *size, "yuv420p"
+        stream.codec_context.time_base = Fraction(1, 1000)
+        for k, time_ms in enumerate(times_ms):
+            frame = av.VideoFrame.from_ndarray(shade(10 * k, size), format="bgr24")
+            frame.pts, frame.time_base = time_ms, Fraction(1, 1000)
+            container.mux(stream.encode(frame))
+        container.mux(stream.encode())
+    return path
+
+
+def test_a_variable_frame_rate_gives_each_frame_its_own_time(tmp_path):
+    times_ms = [0, 100, 400, 500, 900, 1000, 1400, 1500, 2100]
+    left, right = (write_times(tmp_path / f"{v}.mkv", times_ms) for v in "lr")
+    frames = list(stereo_frames(left, right))
+    assert [f.time_s for f in frames] == pytest.approx([t / 1000 for t in times_ms], abs=2e-3)
+    assert [f.time_s for f in stereo_frames(left, right, 10.0)][:3] == [0.0, 0.1, 0.2]
+    late = write_times(tmp_path / "late.mkv", [0, 100, 200, 300, 400, 500, 600, 700, 800])
+    messages: list[str] = []
+    frames = list(stereo_frames(left, right, warn=messages.append))
+    assert messages == []
+    assert len(list(stereo_frames(left, late, warn=messages.append, shortest=True))) == 9
+    assert "frame 2: is at 0.400 s, the right view's at 0.200 s" in messages[0]
+
+
+@pytest.mark.parametrize("layout", ["side-by-side", "top-bottom"])
+def test_both_views_in_one_picture(tmp_path, layout):
+    axis = 1 if layout == "side-by-side" else 0
+    for k in range(3):
+        both = np.concatenate([shade(10 * k), shade(10 * k + 5)], axis=axis)
+        (tmp_path / "both").mkdir(exist_ok=True)
+        cv2.imwrite(str(tmp_path / "both" / f"{k}.png"), both)
+    frames = list(stereo_frames(tmp_path / "both", None, layout=layout))
+    assert (values(frames), values(frames, 1)) == ([0, 10, 20], [5, 15, 25])
+    assert frames[0].pictures[1].shape == (48, 64, 3)
+    with pytest.raises(BenchError, match=f"--stereo {layout}: both views are in .*leave --right"):
+        picture_pairs(tmp_path / "both", tmp_path / "both", layout=layout)
+    with pytest.raises(BenchError, match="is one view; give --right, or --stereo side-by-side"):
+        picture_pairs(tmp_path / "both", None)
+    film = write_times(tmp_path / "both.mkv", [0, 40, 130], (128, 48))
+    halves = list(stereo_frames(film, None, layout="side-by-side"))
+    assert [f.time_s for f in halves] == pytest.approx([0, 0.04, 0.13], abs=2e-3)
+
+
+def test_the_rest_of_a_longer_view_is_left_out_where_asked(tmp_path):
+    left, right = (
+        write(tmp_path / "l", ["a.png", "b.png", "c.png"]),
+        write(tmp_path / "r", ["x.png"]),
+    )
+    with pytest.raises(BenchError, match="--shortest leaves out the rest of the longer one"):
+        picture_pairs(left, right)
+
+
+def test_pictures_in_which_no_skin_can_be_found_are_named(tmp_path):
+    rng = np.random.default_rng(0)
+    colour = rng.integers(20, 230, (48, 64, 3)).astype(np.uint8)
+    ten, full = colour.astype(np.uint16) * 4, colour.astype(np.uint16) * 256
+    for name, picture in (("ten", ten), ("full", full), ("colour", colour)):
+        cv2.imwrite(str(tmp_path / f"{name}.png"), picture)
+    fault = stored_fault(tmp_path / "ten.png")
+    assert fault.endswith(
+        "ten.png: is a picture of 16 bits whose values use 10: nearly black. Convert the pictures "
+        "to 8 bits, all values divided by 4"
+    )
+    assert stored_fault(tmp_path / "full.png") == stored_fault(tmp_path / "colour.png") == ""
+    assert is_grey([np.repeat(colour[..., :1], 3, axis=2)])
+    assert not is_grey([colour])
+
+
+def test_a_picture_is_turned_upright_as_a_video_is(tmp_path):
+    """EXIF orientation 6: the sensor lay on its side."""
+    file = tmp_path / "turned.jpg"
+    stored = shade(40)
+    stored[:, :8] = 200  # left edge as stored, top edge upright
+    cv2.imwrite(str(file), stored)
+    data = file.read_bytes()
+    exif = b"Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0"
+    file.write_bytes(data[:2] + b"\xff\xe1" + (len(exif) + 2).to_bytes(2, "big") + exif + data[2:])
+    picture = read_picture(file)
+    assert picture.shape == (64, 48, 3)
+    assert picture[4].mean() > 150 > 100 > picture[40].mean()

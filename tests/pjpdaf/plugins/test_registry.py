@@ -56,7 +56,13 @@ def test_detectors_by_name() -> None:
         ("plugin_of_a_user:number", None, "is no function of the cameras."),
         ("plugin_of_a_user:half", None, "lacks start, step, estimates, predict"),
         ("plugin_of_a_user:tracker", {"gate": 9}, "is a plug-in and takes no parameters, got gate"),
-        ("thesis", {"gat": 9}, "No parameter 'gat'."),
+        ("thesis", {"gat": 9}, "No parameter 'gat'. Did you mean 'gate'? Known: "),
+        (
+            "default",
+            {"tracker.p_detect": 0.8},
+            "No parameter 'tracker.p_detect'. It is of the preset thesis-literal and thesis.",
+        ),
+        ("thesis", {"mean_within": 2}, "No parameter 'mean_within'. It is of the preset default."),
     ],
 )
 def test_a_tracker_that_cannot_be_had(plugin, name, overrides, words) -> None:

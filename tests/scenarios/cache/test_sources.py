@@ -21,13 +21,21 @@ print(json.dumps([file for file in files if not file.endswith("__init__.py")]))
 """
 
 
+# What `scenarios/spec/corpus_case.py` loads to know the names of events.
+NO_PICTURE = {
+    "pjpdaf/interfaces.py",
+    "pjpdaf/looks.py",
+    *(f"reports/score/{name}.py" for name in ("events", "records", "robustness", "score")),
+}
+
+
 def test_all_that_draws_is_covered():
     done = subprocess.run(
         [sys.executable, "-c", IMPORTED], capture_output=True, text=True, cwd=ROOT
     )
     imported = {Path(file).relative_to(ROOT).as_posix() for file in json.loads(done.stdout)}
     assert len(imported) > 80
-    assert imported <= {*simulator_files(ROOT)}
+    assert imported - {*simulator_files(ROOT)} <= NO_PICTURE
 
 
 def test_detectors_and_trackers_are_not():

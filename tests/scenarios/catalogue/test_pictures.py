@@ -1,9 +1,14 @@
 """Pictures of scenarios and their captions."""
 
+import numpy as np
+import pytest
 from made_truth import truth
 
 from scenarios.catalogue import pictures
+from scenarios.catalogue.stored_picture import picture_from_bytes, picture_to_bytes
+from scenarios.execute.journal import Journal
 from scenarios.spec.names import load_scenario
+from sim.processes import WorkerPool
 
 
 def test_captions_say_what_is_merged_and_what_is_not_seen():
@@ -13,10 +18,12 @@ def test_captions_say_what_is_merged_and_what_is_not_seen():
     assert pictures.caption(truth(0, visible=0)) == "frame 0 (0.0 s), R unseen in both views"
 
 
-def test_pictures_of_scenarios_are_drawn_in_worker_processes():
+def test_pictures_of_scenarios_are_drawn_in_worker_processes_once(tmp_path):
     frames = {"cross": 18, "bounce": 18}  # until they are merged
     scenarios = [load_scenario(n).model_copy(update={"frames": f}) for n, f in frames.items()]
-    for picture in pictures.draw_scenarios(scenarios, workers=1):
+    with WorkerPool(1) as pool, Journal.open(tmp_path / "a.part", "one") as journal:
+        drawn = pictures.draw_scenarios(scenarios, pool, journal)
+    for picture in drawn:
         assert picture.large.shape == (
             pictures.PAGE_PX,
             2 * pictures.PAGE_PX + 4,
@@ -29,3 +36,26 @@ def test_pictures_of_scenarios_are_drawn_in_worker_processes():
         )
         assert "R+L merged" in picture.caption
         assert picture.caption.startswith("frame ")
+
+    class Refusing:
+        def outcomes(self, function, tasks, limit_s):
+            assert not tasks, "what is kept is not drawn again"
+            return iter(())
+
+    with Journal.open(tmp_path / "a.part", "one") as journal:
+        again = pictures.draw_scenarios(scenarios, Refusing(), journal)
+    for one, other in zip(drawn, again, strict=True):
+        assert one.caption == other.caption
+        np.testing.assert_array_equal(one.large, other.large)
+        np.testing.assert_array_equal(one.small, other.small)
+
+
+@pytest.mark.parametrize("cut", [0, 3, 10, 40, -1])
+def test_a_damaged_picture_is_refused(cut):
+    image = np.zeros((4, 5, 3), np.uint8)
+    data = picture_to_bytes(pictures.ScenarioPicture(image, image, "ünter"))
+    assert picture_from_bytes(data).caption == "ünter"
+    with pytest.raises(ValueError, match="is no"):
+        picture_from_bytes(data[:cut])
+    with pytest.raises(ValueError, match="is no"):
+        picture_from_bytes(data[:20] + bytes(len(data) - 20))

@@ -287,6 +287,12 @@ def odd(footage):
     for file in pictures(footage, "left")[:3]:
         cv2.imwrite(str(small / file.name), cv2.imread(str(file))[::2, ::2])
     links(folder / "short", pictures(footage, "left")[:3])
+    colours = cv2.imread(str(pictures(footage, "left")[0]))
+    grey = cv2.cvtColor(colours, cv2.COLOR_BGR2GRAY)
+    for name, picture in (("grey", grey), ("ten", colours.astype(np.uint16) * 4)):
+        for view in (name, f"{name}_too"):
+            (folder / view).mkdir()
+            cv2.imwrite(str(folder / view / "0.png"), picture)
     (folder / "text.yml").write_text("hello")
     (folder / "text.avi").write_text("hello")
     taken = folder / "taken"
@@ -300,14 +306,23 @@ FAULTS = [
     ({"left": "nowhere"}, ("nowhere", "no such file or folder")),
     ({"left": "text.avi"}, ("text.avi", "not a video")),
     ({"left": "short"}, ("differ in length", "3 pictures", "12")),
+    ({"left": "short"}, ("--shortest leaves out",)),
+    ({"right": None}, ("is one view", "--stereo side-by-side")),
+    ({"stereo": "stacked"}, ("--stereo must be one of separate, side-by-side, top-bottom",)),
+    ({"left": "grey", "right": "grey_too"}, ("the pictures are grey",)),
+    ({"left": "ten", "right": "ten_too"}, ("16 bits whose values use 10",)),
     ({"left": "small", "right": "short"}, ("640x480", "320x240")),
     ({"background_left": "small"}, ("000.png", "320x240", "640x480")),
     ({"background_left": None, "background_right": None}, ("--background-first",)),
+    (
+        {"left": "nowhere", "background_left": None, "background_right": None},
+        ("nowhere", "no such file or folder"),
+    ),
     ({"background_right": None}, ("both",)),
     ({"background_first": 5}, ("not both",)),
     ({"background_left": None, "background_right": None, "background_first": 99}, ("only 12",)),
     ({"background_left": None, "background_right": None, "background_first": 4}, ("10", "got 4")),
-    ({"calibration": ("text.yml", "text.yml")}, ("text.yml", "not an OpenCV calibration file")),
+    ({"calibration": ("text.yml", "text.yml")}, ("text.yml", "not a calibration file")),
     ({"calibration": ("nowhere.yml", "text.yml")}, ("nowhere.yml", "no such calibration file")),
     ({"preset": "thesiss"}, ("thesiss", "Did you mean 'thesis'?")),
     ({"detector": "nowhere:make"}, ("nowhere",)),
@@ -344,6 +359,30 @@ def test_a_fault_is_one_line_and_nothing_is_written(footage, odd, changes, fragm
     for fragment in fragments:
         assert fragment in lines[0]
     assert sorted(odd.rglob("*")) == before
+
+
+def test_both_views_in_one_picture_without_a_background(footage, tmp_path):
+    (tmp_path / "both").mkdir()
+    for files in zip(pictures(footage, "left"), pictures(footage, "right"), strict=True):
+        both = np.hstack([cv2.imread(str(file)) for file in files])
+        cv2.imwrite(str(tmp_path / "both" / files[0].name), both)
+    command = words(
+        footage,
+        tmp_path / "out",
+        left=tmp_path / "both",
+        right=None,
+        stereo="side-by-side",
+        background_left=None,
+        background_right=None,
+        preset="thesis",
+    )
+    done = in_this_process(*command, "--no-background")
+    assert done.returncode == 0, done.stderr
+    assert "--no-background: everything of the colour of skin is taken for skin" in done.stderr
+    tracks = pd.read_csv(tmp_path / "out" / "tracks.csv")
+    assert len(tracks) == FRAMES * len(TARGETS)
+    # The room of this scenario has nothing of the colour of skin.
+    assert np.nanmedian(errors_mm(tracks, footage.truth_m)) < 60
 
 
 def test_a_fault_in_mid_footage_keeps_what_was_tracked(footage, tmp_path):

@@ -31,6 +31,17 @@ def write(folder, text):
     return path
 
 
+def test_a_name_in_the_sequence_column_of_one_sequence_is_told_how_to_go(tmp_path):
+    path = write(tmp_path, f"sequence,{HEADER}\nseq_000000,0,left,1,2\n")
+    one = {"footage": (CAMERA, CAMERA)}
+    with pytest.raises(BenchError) as caught:
+        read_detections(path, one, {"footage": None}, whole="the footage")
+    assert str(caught.value) == (
+        f"{path}:2: no sequence 'seq_000000' in the footage; it is one sequence, footage: leave "
+        "the column `sequence` out"
+    )
+
+
 def test_rows_come_by_view_and_sorted_by_frame(tmp_path):
     text = f"{HEADER},sd_px,area_px\n5,left,10,20,,\n3,0,1,2,1.5,900\n3,right,7,8,,\n3,left,3,4,,\n"
     left, right = read(write(tmp_path, text))

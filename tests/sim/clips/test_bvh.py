@@ -270,8 +270,77 @@ def test_a_bind_pose_at_the_start_is_left_out():
     given = {k: np.vstack([np.zeros((1, 3)), v]) for k, v in angles().items()}
     clip = clip_of_bvh(bvh(n=61, given=given), "clip.bvh")
     assert len(clip.times_s) == 60
-    assert "the first frame is the bind pose and is left out" in clip.notes
+    assert POSE_NOTE in clip.notes
     same(bvh(n=61, given=given))
+
+
+POSE_NOTE = "the first frame is a pose of its own (bind or T pose) and is left out"
+
+
+def test_a_t_pose_at_the_start_is_left_out_though_its_angles_are_not_zero():
+    given = {}
+    for joint, turns in angles().items():
+        at_first = {"Spine": (0.03, 0.0, 0.01), "LeftArm": (0.0, 0.1, 0.0)}.get(
+            joint, (0.0, 0.0, 0.0)
+        )
+        given[joint] = np.vstack([[at_first], turns])
+    clip = clip_of_bvh(bvh(n=61, given=given), "clip.bvh")
+    assert POSE_NOTE in clip.notes
+    assert len(clip.times_s) == 60
+    # A first frame like all others stays.
+    assert POSE_NOTE not in clip_of_bvh(bvh(), "clip.bvh").notes
+
+
+@pytest.mark.parametrize("frame_time", ["1e-300", "1e-7", "0.0009", "-1", "inf", "nan"])
+def test_frame_times_of_no_camera_are_refused_at_once(frame_time):
+    text = bvh().replace("Frame Time: 0.03333333", f"Frame Time: {frame_time}")
+    assert "Frame Time must be from 0.001 to 10 s" in fault_of(text)
+
+
+ROKOKO = {"LeftForeArm": "LeftForearm", "RightForeArm": "RightForearm"}
+NEURON = {
+    "LeftHandMiddle1": "LeftInHandMiddle", "RightHandMiddle1": "RightInHandMiddle",
+    "LeftHandThumb1": "LeftHandThumb1", "RightHandThumb1": "RightHandThumb1",
+}  # fmt: skip
+CMU = {
+    "Hips": "root", "Spine": "lowerback", "Neck": "upperneck", "Head": "head",
+    **{
+        f"{side}{ours}": f"{side[0].lower()}{theirs}"
+        for side in ("Left", "Right")
+        for ours, theirs in (
+            ("Shoulder", "clavicle"), ("Arm", "humerus"), ("ForeArm", "radius"), ("Hand", "wrist"),
+            ("HandMiddle1", "fingers"), ("HandThumb1", "thumb"),
+        )
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "names",
+    [ROKOKO, NEURON, CMU, {"Hips": "hip", "LeftHand": "Robot_LeftHand", "RightHand": "Robot_RightHand"}],
+    ids=["rokoko", "perception neuron", "cmu asf", "prefixed"],
+)  # fmt: skip
+def test_joints_as_the_exports_of_motion_capture_name_them(names):
+    same(bvh(rename=lambda name: names.get(name, name)))
+
+
+def test_a_clip_is_judged_only_where_it_is_played():
+    given = {k: v.copy() for k, v in angles(120).items()}
+    given["LeftArm"][100:] += 1.5  # the actor steps out of the suit
+    text = bvh(n=120, given=given)
+    assert "jumps by" in fault_of(text)
+    clip = clip_of_bvh(text, "clip.bvh", judged_s=(0.0, 2.0))
+    assert clip.duration_s == pytest.approx(119 / HZ, abs=0.05)
+    with pytest.raises(BenchError, match="jumps by"):
+        clip_of_bvh(text, "clip.bvh", judged_s=(2.0, 3.5))
+
+
+def test_a_unit_of_nobody_is_guessed_by_the_stature_and_said():
+    clip = clip_of_bvh(bvh(unit_m=0.2), "clip.bvh")
+    assert clip.notes[0] == (
+        "unit guessed to be 0.2 m, by which the person has a stature of 1.70 m: upper arm and "
+        "forearm are 2.7 long, in none of mm, cm, m, inch, 1/0.45 inch a person's"
+    )
 
 
 def test_a_file_is_read_by_its_suffix(tmp_path):
@@ -306,7 +375,7 @@ HANDLESS = tuple(b for b in BONES if "Hand" not in b[0])
         ("MOTION\n", "", "clip.bvh: has no line MOTION"),
         ("Frames: 60", "Frames: 61", "clip.bvh:{frames}: Frames: 61, but 60 lines of motion follow"),
         ("Frames: 60", "Frames: many", "clip.bvh:{frames}: MOTION needs the lines Frames: N and Frame Time: S"),
-        ("Frame Time: 0.03333333", "Frame Time: 0", "clip.bvh:{time}: Frame Time must be above 0 and up to 10 s, got 0"),
+        ("Frame Time: 0.03333333", "Frame Time: 0", "clip.bvh:{time}: Frame Time must be from 0.001 to 10 s, got 0"),
         ("Frame Time: 0.03333333\n", "Frame Time: 0.03333333\n1 2 3\n", "clip.bvh:{frames}: Frames: 60, but 61 lines"),
     ],
 )  # fmt: skip
@@ -334,10 +403,6 @@ def test_what_is_no_person_is_named():
     assert fault_of(bvh(bones=HANDLESS)) == (
         "clip.bvh: has no left hand: needed is a joint named like LeftHand, lHand or hand_l; it has "
         "Hips, Spine, Neck, Head, LeftShoulder, LeftArm, LeftForeArm, RightShoulder, RightArm, RightForeArm"
-    )
-    assert fault_of(bvh(unit_m=0.2)) == (
-        "clip.bvh: upper arm and forearm are 2.7 long, in none of mm, cm, m, inch, 1/0.45 inch a "
-        "person's: scale the file to metres"
     )
     assert fault_of(bvh(n=1)) == "clip.bvh: has 1 frames; a motion needs at least 2"
     top = (
