@@ -131,6 +131,8 @@ def table(title: str, base: Variant, others: tuple[Variant, ...], found: list[Re
     mine = {v.name: [r for r in found if r.variant == v.name] for v in (base, *others)}
     of_base = {(result.scenario, result.seed): result for result in mine[base.name]}
     groups = {name: len(results) for name, results in by_group(mine[base.name])}
+    if len(groups) == 2:
+        groups.pop("all")  # the same as the only group
     # A variant that was tried in some groups only has no figure for all.
     partial = {variant.name for variant in others if variant.groups} - {base.name}
 
@@ -142,7 +144,7 @@ def table(title: str, base: Variant, others: tuple[Variant, ...], found: list[Re
         for name, results in mine.items():
             cells = {g: cell(some, name == base.name) for g, some in by_group(results)}
             if name in partial and len(results) < len(mine[base.name]):
-                cells.pop("all")
+                cells.pop("all", None)
             print(f"| {name} | " + " | ".join(cells.get(g, "") for g in groups) + " |")
 
     rows(
