@@ -57,16 +57,19 @@ def expand_suite(suite: Suite) -> list[PlannedScenario]:
     return [
         planned
         for entry, scenario in scenarios_of(suite)
-        for planned in _at_rates(
-            PlannedScenario(
-                scenario,
-                entry.overrides | ({} if entry.frames is None else {"frames": entry.frames}),
-                entry.seeds or suite.seeds,
-                entry.label or scenario.name,
-                _first_seed(entry),
-            )
-        )
+        for planned in _at_rates(_planned(suite, entry, scenario))
     ]
+
+
+def _planned(suite: Suite, entry: SuiteEntry, scenario: Scenario) -> PlannedScenario:
+    """An entry of a suite, before it is played at several rates."""
+    return PlannedScenario(
+        scenario,
+        entry.overrides | ({} if entry.frames is None else {"frames": entry.frames}),
+        entry.seeds or suite.seeds,
+        entry.label or scenario.name,
+        _first_seed(entry),
+    )
 
 
 def _first_seed(entry: SuiteEntry) -> int:
@@ -75,9 +78,9 @@ def _first_seed(entry: SuiteEntry) -> int:
 
 def refuse_changed(suite: Suite) -> None:
     """Raise NotComparable where a corpus case would no longer be the episode that failed."""
-    for entry, planned in zip(suite.scenarios, expand_suite(suite), strict=True):
+    for entry, scenario in scenarios_of(suite):
         if isinstance(entry, CorpusEntry):
-            job = planned.job(entry.first_seed)
+            job = _planned(suite, entry, scenario).job(entry.first_seed)
             if digest_of(job) != entry.digest:
                 raise NotComparable(
                     f"{entry.label}: not comparable: {entry.scenario} has changed since this case "

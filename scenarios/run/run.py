@@ -94,17 +94,18 @@ def _play_and_save(
     if not played.rows:
         raise Interrupted("interrupted before any episode was finished; nothing saved")
     wall_s = time.perf_counter() - started
-    saved = save_run(
-        request.plan,
-        run.jobs,
-        played,
-        run.staged,
-        preset=request.preset,
-        argv=request.argv,
-        slim=request.slim,
-    )
-    if not request.slim:
-        write_page([saved], run.staged / "report.html")
+    with run.kept_after_faults():
+        saved = save_run(
+            request.plan,
+            run.jobs,
+            played,
+            run.staged,
+            preset=request.preset,
+            argv=request.argv,
+            slim=request.slim,
+        )
+        if not request.slim:
+            write_page([saved], run.staged / "report.html")
     run.publish(complete=saved.meta["complete"])
     corpus = outcomes_of(request.plan.targets, run.jobs, played.rows)
     _print_results(request, run, played, saved, corpus, wall_s, workers)
@@ -134,7 +135,7 @@ def _print_results(
         out.print(budget_line(budget), highlight=False)
     frames = sum(row.frame_count for row in played.rows)
     now = frames - sum(row.frame_count for row in run.finished.values())
-    kept = f"; {count(len(run.finished), 'episode')} were finished before" if run.finished else ""
+    kept = f"; {len(run.finished)} were there" if run.finished else ""
     out.print(
         f"{count(len(played.rows), 'episode')}, {count(frames, 'stereo frame')} in {wall_s:.0f} s "
         f"({max(now, 0) / wall_s:.1f} a second, {workers} workers){kept}",

@@ -59,11 +59,22 @@ class UnfinishedRun:
         Raises BenchError of the disk, InfrastructureError where it is full.
         """
         if rows.failure_kind not in OF_THE_MACHINE:
-            self._journal.append(job_key(job), rows_to_bytes(rows))
+            with self.kept_after_faults():
+                self._journal.append(job_key(job), rows_to_bytes(rows))
+
+    @contextmanager
+    def kept_after_faults(self) -> Iterator[None]:
+        """Add to a fault of the disk what the user wants to know most."""
+        try:
+            yield
+        except BenchError as fault:
+            raise fault.reworded(
+                f"{fault} What is finished is kept in {self.part.name}; the same command goes on."
+            ) from fault
 
     def publish(self, *, complete: bool) -> None:
         """Give the staged run its name. complete: what is unfinished of it is removed."""
-        with disk_faults(self.folder, "the run"):
+        with self.kept_after_faults(), disk_faults(self.folder, "the run"):
             check_free(self.folder, force=True)
             publish(self.staged, self.folder)
         if complete:

@@ -81,7 +81,7 @@ def write_case(path: Path, record: CorpusCase, *, replace: bool = False) -> None
 
 def case_text(record: CorpusCase) -> str:
     """A record as YAML, a line a field; the same text for the same record."""
-    lines = [f"# {record.note}"] if record.note else []
+    lines = []
     for name, value in record.model_dump(exclude={"note", "values", "settings"}).items():
         lines.append(f"{name}: {_scalar(value)}")
     if record.settings:

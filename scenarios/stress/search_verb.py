@@ -195,9 +195,9 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound]) -> None:
             highlight=False,
             soft_wrap=True,
         )
+        if result.found:
+            out.print(failure_table(search.space.family.name, result.found))
     found = [one for result in results for one in result.found]
-    if found:
-        out.print(failure_table(found))
     rendered = [one for one in found if one.full is not None]
     if rendered:
         confirmed = sum(one.confirmed for one in rendered)

@@ -18,7 +18,11 @@ from pjpdaf.tracker.hypotheses.candidates import (
 )
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.pairs import Pairs
-from pjpdaf.tracker.hypotheses.parameters import CostParameters, HypothesisParameters
+from pjpdaf.tracker.hypotheses.parameters import (
+    CostParameters,
+    HypothesisParameters,
+    SleeveParameters,
+)
 from pjpdaf.tracker.hypotheses.sleeve import Body, arm_scores, arm_values
 
 AREA_COST_MOST = 6.0
@@ -114,6 +118,8 @@ def joint_cost(
     plain = (pairs.part == WHOLE).all(axis=1)
     plain &= area_cost(pairs, hand_area_m2, c) < HANDLIKE_COST[0]
     plain &= pairs.cost < HANDLIKE_COST[1]
+    # A bare arm has a hand too.
+    plain |= (pairs.part >= END).all(axis=1) & (pairs.cost < HANDLIKE_COST[1])
     heads = [place.blob if place is not None else -1 for place in places]
     for left, right in {(int(a), int(b)) for a, b in pairs.blob[plain]}:
         if left != heads[0] and right != heads[1]:
@@ -150,6 +156,27 @@ def _unused_at_face(pairs: Pairs, left: int, right: int) -> Floats:
     return np.asarray(~(uses[:, None] | uses[None, :]), dtype=np.float64)
 
 
+def finger_directions(
+    pairs: Pairs, seen: tuple[Blobs, ...], views: Views, s: SleeveParameters
+) -> Floats:
+    """Which way the fingers of each pair point in each view, (2, n, 2); 0 where unknown.
+
+    Of an end of a bare arm it is the way from the arm's middle.
+    """
+    fingers = np.zeros((2, len(pairs), 2))
+    pixels, _ = views.project(pairs.points_m)
+    for v, view in enumerate(seen):
+        whole = np.flatnonzero(pairs.part[:, v] == WHOLE)
+        looks, blob = view.looks, pairs.blob[whole, v]
+        wrist = looks.palms[blob] - looks.fingers[blob]
+        fingers[v, whole] = looks.fingers[blob] - s.wrist_share * wrist
+        end = np.flatnonzero(pairs.part[:, v] >= END)
+        way = pixels[v, end] - view.centres_px[pairs.blob[end, v]]
+        length = np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-6)
+        fingers[v, end] = s.bare_arm_fingers * way / length
+    return np.clip(fingers, -LONGEST_FINGERS, LONGEST_FINGERS)
+
+
 def side_evidence(
     pairs: Pairs, seen: tuple[Blobs, ...], head_m: Floats, views: Views, p: HypothesisParameters
 ) -> Floats:
@@ -161,13 +188,7 @@ def side_evidence(
     shapes: tuple[Silhouette | None, ...] = tuple(view.looks.silhouette for view in seen)
     if s.sleeve_weight > 0 and any(shape is not None for shape in shapes):
         body = Body.under(head_m, views.axes, s)
-        fingers = np.zeros((2, len(pairs), 2))
-        for v, view in enumerate(seen):
-            whole = np.flatnonzero(pairs.part[:, v] == WHOLE)
-            looks, blob = view.looks, pairs.blob[whole, v]
-            wrist = looks.palms[blob] - looks.fingers[blob]
-            fingers[v, whole] = looks.fingers[blob] - s.wrist_share * wrist
-        fingers = np.clip(fingers, -LONGEST_FINGERS, LONGEST_FINGERS)
+        fingers = finger_directions(pairs, seen, views, s)
         scores = arm_scores(
             pairs.points_m, arm_values(shapes, views, body, s), shapes, views, body, s, fingers
         )

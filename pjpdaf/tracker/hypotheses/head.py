@@ -18,6 +18,7 @@ from pjpdaf.tracker.hypotheses.split import settle
 MERGED_RATIO = 1.10  # of the remembered area: a larger blob is head and something else
 LOOSE_RATIO = 1.45  # up to this it may be the head that turned, and is learnt slowly
 PARTLY_RATIO = 0.55  # a smaller blob is not the whole head
+LIKE_LOG_AXIS = 0.10  # between the axes of a head that came nearer and the remembered ones
 MEMORY, SLOW_MEMORY = 0.15, 0.05  # shares of a sighting in the remembered area and shape
 FARTHEST_M = 0.45  # from the prediction, the more the longer it is unseen
 RESIDUAL_PX = 6.0  # rms, of two views that agree
@@ -157,7 +158,8 @@ def _sighting(
         information = stereo_information(
             views.jacobians(points),
             np.array([common * views.scale]),
-            np.array([between * views.scale]),
+            # Views that differ show different pieces of the head: their depth says little.
+            np.array([float(np.hypot(between * views.scale, residual[0]))]),
         )[0]
         return points[0], np.asarray(np.linalg.inv(information))
     if len(at) == 1:

@@ -14,6 +14,7 @@ from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 LARGEST_COST = 14.0  # of a hypothesis beyond the best; what costs more is dropped
 FORBIDDEN = 30.0
 MOTION_COST_MOST = 16.0
+BEHIND_WITHIN_S = 1.0  # after a hand was seen it may turn out to be behind the head
 SAME_M = 0.03  # hypotheses closer than this along each axis are one
 REFERENCE_SD_M = 0.03  # a hand seen where it was expected, this well, costs nothing
 LARGEST_VARIANCE_M2 = 0.25
@@ -47,7 +48,8 @@ class Sightings:
     """All choices of a hand in a frame: n pairs, at the face, unseen.
 
     own (n,) cost of each pair by itself; joint (n + 2, n + 2) of two together; odds (n,) that it is
-    the right hand [log]; face_m (f, 3) places before the face; face_cost.
+    the right hand [log]; face_m (f, 3) places before the face and,
+    the last, behind the head; face_cost (f,).
     """
 
     pairs: Pairs
@@ -55,7 +57,7 @@ class Sightings:
     joint: Floats
     odds: Floats
     face_m: Floats
-    face_cost: float
+    face_cost: Floats
 
 
 def nearest_choices(seen: Sightings, hands_m: Floats, held_m: Floats) -> tuple[int, int]:
@@ -176,6 +178,8 @@ def _alone(
     each = np.concatenate([motion, miss], axis=2)
     each[:, :, :n] += seen.own
     each[:, :, n:-1] += seen.face_cost
+    # A hand that was gone before went elsewhere.
+    each[:, :, -2] += np.where(unseen_s[..., 0] > BEHIND_WITHIN_S, FORBIDDEN, 0.0)
     return np.asarray(np.minimum(each, FORBIDDEN))
 
 
@@ -202,4 +206,5 @@ def _moved(
         m.weights,
         m.deviations_m,
     )
-    return mean, P, 0.0
+    behind = choice == len(points) - 1  # the head: believed to be there, not seen
+    return mean, P, float(h.unseen_s[side] + dt_s) if behind else 0.0

@@ -10,7 +10,7 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.candidates import WHOLE, HeadPlace, candidates
-from pjpdaf.tracker.hypotheses.costs import area_cost
+from pjpdaf.tracker.hypotheses.costs import area_cost, finger_directions
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.head import CROWN_M, HeadTrack, crown_of, head_size
 from pjpdaf.tracker.hypotheses.pairs import Pairs, pair_candidates
@@ -116,7 +116,8 @@ def _hands(
     body = Body.under(pairs.points_m[head], views.axes, p.sleeve)
     shapes = tuple(view.looks.silhouette for view in seen)
     values = arm_values(shapes, views, body, p.sleeve)
-    scores = arm_scores(pairs.points_m, values, shapes, views, body, p.sleeve)
+    fingers = finger_directions(pairs, seen, views, p.sleeve)
+    scores = arm_scores(pairs.points_m, values, shapes, views, body, p.sleeve, fingers)
     own = pairs.cost + area_cost(pairs, p.costs.hand_area_m2, p.costs)
     hands: list[tuple[Floats, float]] = []
     for pair in combinations(np.flatnonzero(good).tolist(), 2):

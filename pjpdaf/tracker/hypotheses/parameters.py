@@ -111,6 +111,8 @@ class CostParameters:
     stay_hidden: float = 5.0
     # A hand at the face while the head's blob hides it.
     face: float = 4.0
+    # A hand behind the head; 0 = no hand is taken to be there.
+    behind: float = 1.0
     # Two hands on one blob, undivided.
     same_blob: float = 4.0
     # A half whose other half is nobody's.
@@ -139,6 +141,7 @@ class CostParameters:
             "miss",
             "stay_hidden",
             "face",
+            "behind",
             "same_blob",
             "lone_half",
             "split",
@@ -178,6 +181,9 @@ class SleeveParameters:
     # fingers on the other side [1].
     wrist_share: float = 1.0
 
+    # The same length for an end of a bare arm, which points away from the arm's middle [1].
+    bare_arm_fingers: float = 0.25
+
     def __post_init__(self) -> None:
         check_above_zero(OWNER, self, "upper_arm_m", "forearm_m", "sleeve_width_m", "swivels")
         check_not_negative(
@@ -189,6 +195,7 @@ class SleeveParameters:
             "bare_background",
             "inward_penalty",
             "finger_weight",
+            "bare_arm_fingers",
         )
 
 
@@ -197,7 +204,7 @@ class OffsetParameters:
     """From the centre of the visible skin to the centre of the body, camera axes [m]."""
 
     hand_offset_m: tuple[float, float, float] = (0.0, -0.003, 0.008)
-    head_offset_m: tuple[float, float, float] = (0.0, -0.027, 0.015)
+    head_offset_m: tuple[float, float, float] = (0.0, -0.027, 0.010)
     # Share of the height by which the hair's top is above the average that the centre of the head's
     # skin is lower, fitted [1].
     crown_share: float = 0.74

@@ -47,6 +47,7 @@ NEAR_HAND_M = 0.15  # from a hand to the centre of its arm's blob
 LONGEST_M = 0.45
 LENGTH_MEMORY_S = 4.0
 FACE_PLACES = (0, 0), (-1, 0), (1, 0), (-1, 1), (1, 1), (0, 1)  # right, down
+BEHIND_HEAD_M, ABOVE_M = 0.14, 0.04  # a hand behind the head
 BEFORE_FACE_M, BELOW_FACE_M = 0.06, 0.02  # a hand at the face
 
 
@@ -154,15 +155,14 @@ class HypothesisTracker:
         head_m = None if known_m is None else known_m[0]
         head, places = follow_head(state.head, seen, self.views, dt_s, p, head_m)
         pairs = self._pairs(state, seen, places, head)
-        away, down = self.views.axes[2], self.views.axes[1]
-        hidden = any(place is not None and not place.free for place in places) or head.unseen_s > 0
+        face_m, face_cost = self._at_head(head, places)
         sightings = Sightings(
             pairs,
             pairs.cost + area_cost(pairs, state.hand_area_m2, p.costs),
             joint_cost(pairs, places, state.hand_area_m2, p.costs),
             side_evidence(pairs, seen, head.mean, self.views, p),
-            head.mean - BEFORE_FACE_M * away + BELOW_FACE_M * down + self._at_face(),
-            p.costs.face if hidden else FORBIDDEN,
+            face_m,
+            face_cost,
         )
         only = None
         if known_m is not None:
@@ -179,12 +179,25 @@ class HypothesisTracker:
         )
         return after, estimates
 
-    def _at_face(self) -> Floats:
-        """Offsets (f, 3) [m] of the places of a hand before the face from its middle."""
-        reach = self.parameters.noise.face_reach_m
-        if reach == 0:
-            return np.zeros((1, 3))
-        return np.asarray(reach * np.array(FACE_PLACES) @ self.views.axes[:2])
+    def _at_head(
+        self, head: HeadTrack, places: tuple[HeadPlace | None, ...]
+    ) -> tuple[Floats, Floats]:
+        """Places (f, 3) [m] of a hand that the head's blob hides, and their costs (f,).
+
+        Before the face while the blob is larger than the head; behind the head, which shows in
+        nothing but that the hand is gone.
+        """
+        c, reach = self.parameters.costs, self.parameters.noise.face_reach_m
+        axes = self.views.axes
+        larger = any(place is not None and not place.free for place in places)
+        before = c.face if larger or head.unseen_s > 0 else FORBIDDEN
+        alone = all(place is not None and place.free for place in places)
+        behind = c.behind if c.behind > 0 and alone else FORBIDDEN
+        centre = head.mean - BEFORE_FACE_M * axes[2] + BELOW_FACE_M * axes[1]
+        face = centre + reach * np.array(FACE_PLACES[: 1 if reach == 0 else None]) @ axes[:2]
+        back = head.mean + BEHIND_HEAD_M * axes[2] - ABOVE_M * axes[1]
+        costs = np.array([*[before] * len(face), behind])
+        return np.concatenate([face, back[None]]), costs
 
     def smoothed(self, states: tuple[HypothesisState, ...], /) -> Estimates:
         """Return the estimates of the first state in the knowledge of the later ones."""

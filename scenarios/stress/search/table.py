@@ -20,22 +20,26 @@ EVENTS = {
 }
 
 
-def failure_table(found: Sequence[Counterexample]) -> Table:
+def failure_table(family: str, found: Sequence[Counterexample]) -> Table:
     """A row for each distinct failure; of a confirmed one rho, severity, blame of the pictures."""
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    table.add_column("family", overflow="fold")
+    table = Table(
+        title=Text(f"Failures of {family}"),
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
+    )
     table.add_column("event", overflow="fold")
-    table.add_column("what matters", overflow="fold")
+    table.add_column("what matters", overflow="fold", ratio=1)
     for heading in ("rho", "bad\nframes", "fails\nagain"):
         table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("in full", no_wrap=True)
+    table.add_column("in\nfull", no_wrap=True)
     table.add_column("blame", overflow="fold")
     for one in found:
         robustness = one.result.robustness
         rho = "-" if robustness is None else f"{robustness.measures[one.measure]:+.2f}"
-        full = "not played" if one.full is None else "fails" if one.confirmed else "passes"
+        full = "-" if one.full is None else "fails" if one.confirmed else "passes"
         table.add_row(
-            Text(one.case.family),
             EVENTS[one.measure],
             Text(one.failure.signature.words),
             rho,

@@ -6,6 +6,7 @@ from pjpdaf.errors import BenchError
 from scenarios.play.job import digest_of
 from scenarios.play.plan import MAX_FIRST_SEED, MAX_SEEDS, PlanRequest, plan
 from scenarios.play.targets import SCENARIO_SEEDS, expand_target
+from scenarios.spec.names import suite_names
 
 
 def test_scenarios_come_in_order_and_each_with_its_seeds():
@@ -80,3 +81,9 @@ def test_all_jobs_use_the_cache_or_none():
     for use_cache in (True, False):
         jobs = plan(PlanRequest(targets=("cross", "drink"), seeds=2, use_cache=use_cache))
         assert [job.use_cache for job in jobs] == [use_cache] * 4
+
+
+@pytest.mark.parametrize("suite", suite_names())
+def test_every_suite_can_be_expanded(suite):
+    labels = [planned.label for planned in expand_target(suite)]
+    assert len({*labels}) == len(labels) > 0

@@ -1,0 +1,72 @@
+"""What footage from the cache costs against rendering: CPU time of the same episodes, in a worker.
+
+python examples/replay_rate.py calm_table drink touch_face cross     # entries of the suite core
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Callable
+from tempfile import TemporaryDirectory
+from typing import TypeVar
+
+from scenarios.execute.local import local_executor
+from scenarios.play.footage import open_footage
+from scenarios.play.job import Job
+from scenarios.play.plan import PlanRequest, plan
+from scenarios.play.play import play_complete
+from sim.processes import Answer
+
+T = TypeVar("T")
+
+
+def cpu_s(work: Callable[[Job], T], job: Job) -> tuple[float, T]:
+    start = time.process_time()
+    value = work(job)
+    return time.process_time() - start, value
+
+
+def watch(job: Job) -> int:
+    with open_footage(job) as footage:
+        footage.background()
+        return sum(1 for _ in footage.frames())
+
+
+def measure(job: Job) -> tuple[int, float, float, float]:
+    """Frames of an episode, and its CPU time [s]: rendered, replayed, the footage alone."""
+    rendered_s, episode = cpu_s(play_complete, job)
+    replayed_s, again = cpu_s(play_complete, job)
+    assert not episode.replayed
+    assert again.replayed
+    watched_s, frames = cpu_s(watch, job)
+    return frames, rendered_s, replayed_s, watched_s
+
+
+def main() -> None:
+    only = tuple(sys.argv[1:])
+    jobs = plan(PlanRequest(("core",), seeds=1, first_seed=7000, only=only))
+    warming = plan(PlanRequest(("cross",), seeds=1, settings=("frames=2",)))
+    rows = []
+    with TemporaryDirectory() as folder:
+        os.environ["PJPDAF_BENCH_CACHE"] = folder
+        with local_executor(1) as executor:
+            for done in executor.outcomes(measure, dict(enumerate(warming + jobs)), 3600.0):
+                if done is not None and isinstance(done[1], Answer) and done[0] > 0:
+                    rows.append(done[1].value)
+                    print(f"{jobs[done[0] - 1].name}: {rows[-1][0]} frames")
+    frames, rendered_s, replayed_s, watched_s = (sum(column) for column in zip(*rows, strict=True))
+    print(f"CPU per stereo frame, {frames} frames:")
+    for text, slow_s, quick_s in (
+        ("footage", rendered_s - replayed_s + watched_s, watched_s),
+        ("whole episode", rendered_s, replayed_s),
+    ):
+        print(
+            f"  {text}: rendered {1e3 * slow_s / frames:.1f} ms, replayed "
+            f"{1e3 * quick_s / frames:.1f} ms, {slow_s / quick_s:.1f} times as fast"
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,71 @@
+"""Kills at random moments: nothing finished is lost, and the end is that of an undisturbed run."""
+
+import os
+import random
+import shutil
+import signal
+import time
+
+import pytest
+from commands import LIMIT_S, bench, started, worker_pids
+from made_dataset import contents, made_dataset
+
+from reports.run.load import load
+from scenarios.execute.journal import FILE, Journal
+
+KILLS = 12
+
+
+@pytest.mark.long
+def test_a_run_survives_kills_of_parent_and_workers(tmp_path, tmp_path_factory):
+    footage = made_dataset(tmp_path_factory)
+    words = ("run", "--from", footage, "--set", "detector.background_learn_min=2", "--jobs", "1")
+    begun = time.monotonic()
+    assert bench(*words, "--films", "--out", tmp_path / "reference").returncode == 0
+    whole_s = time.monotonic() - begun
+    expected = tables_and_pictures(tmp_path / "reference")
+    rng, kills = random.Random(1), 0
+    while kills < KILLS:
+        kept = set()
+        while True:
+            process = started(*words, "--films", "--out", "r", cwd=tmp_path)
+            time.sleep(rng.uniform(0.0, whole_s))
+            workers = worker_pids(process.pid) if process.poll() is None else []
+            if process.poll() is None and kills < KILLS:
+                victim = rng.choice([process.pid, process.pid, *workers])
+                os.kill(victim, signal.SIGKILL)
+                kills += 1
+            process.communicate(timeout=LIMIT_S)
+            if process.returncode == 0:
+                break
+            assert process.returncode == -signal.SIGKILL
+            if (tmp_path / "r").exists():  # the saved run is whole, or not there
+                load(tmp_path / "r")
+            elif (tmp_path / "r.part" / FILE).exists():
+                now = finished(tmp_path / "r.part")
+                assert kept <= now
+                kept = now
+        assert tables_and_pictures(tmp_path / "r") == expected
+        assert sorted(path.name for path in tmp_path.iterdir()) == ["r", "reference"]
+        shutil.rmtree(tmp_path / "r")
+
+
+def finished(part):
+    """The keys of a journal, of a copy: to open one is to cut off what is torn."""
+    copy = shutil.copytree(part, part.with_name("copy"))
+    for other in copy.iterdir():
+        if other.name != FILE and other.is_dir():
+            shutil.rmtree(other)
+    identity = (copy / FILE).read_bytes()[:200].partition(b"identity")[2][:64].decode()
+    try:
+        if not identity:
+            return set()
+        with Journal.open(copy, identity) as journal:
+            return {*journal.finished}
+    finally:
+        shutil.rmtree(copy)
+
+
+def tables_and_pictures(run):
+    files = contents(run)
+    return {name: files[name] for name in files if name not in ("run.json", "report.html")}
