@@ -1,4 +1,4 @@
-"""Doubt of right and left after both hands were hidden together, where nothing tells them apart."""
+"""Doubt of right and left: as the hypotheses have it, and after both hands were hidden together."""
 
 from __future__ import annotations
 
@@ -29,11 +29,14 @@ def hidden_doubt(
         if unseen_s * p.hidden_speed_mps < apart_m:
             return before
         return 0.5 + (before - 0.5) * math.exp(-dt_s / p.hidden_memory_s)
-    if before == 0.0:
-        return 0.0
-    odds = before / (1.0 - before) * math.exp(-side)
-    doubt = min(odds / (1.0 + odds), 0.5)
+    doubt = min(shifted(before, -side), 0.5)
     return doubt if doubt > LEAST else 0.0
+
+
+def shifted(probability: float, log_odds: float) -> float:
+    """A probability below 1, its log-odds changed."""
+    odds = probability / (1.0 - probability) * math.exp(log_odds)
+    return odds / (1.0 + odds)
 
 
 def either(one: float, other: float) -> float:

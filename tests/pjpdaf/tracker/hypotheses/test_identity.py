@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pjpdaf.tracker.hypotheses.hypothesis import Hypothesis
-from pjpdaf.tracker.hypotheses.identity import either, hidden_doubt
+from pjpdaf.tracker.hypotheses.identity import either, hidden_doubt, shifted
 from pjpdaf.tracker.hypotheses.parameters import IdentityParameters
 from tests.pjpdaf.tracker.hypotheses.test_tracker import FRAME_S, START_W, nothing, seen, tracker
 
@@ -49,6 +49,12 @@ def test_sleeves_take_it_away_and_nothing_else_does():
 def test_without_the_parameter_there_is_none():
     off = IdentityParameters(hidden_memory_s=0.0)
     assert hidden_doubt(0.4, hands((9.0, 9.0)), 0.0, FRAME_S, off) == 0.0
+
+
+def test_log_odds_shift_a_probability():
+    assert shifted(0.0, 3.0) == 0.0
+    assert shifted(0.3, 0.0) == pytest.approx(0.3)
+    assert shifted(0.5, np.log(3.0)) == pytest.approx(0.75)
 
 
 def test_two_exchanges_are_none():
