@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from pjpdaf.arrays import Bools, Floats, Ints
-from pjpdaf.checks import check_above_zero, check_not_negative
+from pjpdaf.checks import AboveZero, AboveZeroInt, NotNegativeInt, check_bounds
 from pjpdaf.detector.components import Segments
 from pjpdaf.detector.ellipses import ellipse_error, moments
 
@@ -27,18 +27,17 @@ class ClusterParameters:
     """Hypotheses of k clusters, and their choice."""
 
     # p of Eq. 3.2, Err (1 + k / p) [1], Table 4.1.
-    kmeans_penalty: float = 5.0
+    kmeans_penalty: AboveZero = 5.0
     # Hypotheses k = 1 .. N + extra_hypotheses clusters for N components, section 3.1.2.
-    extra_hypotheses: int = 2
+    extra_hypotheses: NotNegativeInt = 2
     # k-means sees every n-th skin pixel, on a square lattice [1]; 1 = all, as in the thesis.
-    subsample: int = 16
+    subsample: AboveZeroInt = 16
     # The N components themselves compete, beside k-means with k = N: k-means alone gives the rim of
     # a head to a hand close by. Not in the thesis.
     components_compete: bool = True
 
     def __post_init__(self) -> None:
-        check_above_zero("DetectorParameters", self, "kmeans_penalty", "subsample")
-        check_not_negative("DetectorParameters", self, "extra_hypotheses")
+        check_bounds("DetectorParameters", self)
 
 
 def cluster(seen: Segments, parameters: ClusterParameters) -> Ints:
@@ -50,12 +49,12 @@ def cluster(seen: Segments, parameters: ClusterParameters) -> Ints:
     N, penalty = seen.count, parameters.kmeans_penalty
     if N == 0 or N > COMPONENTS_MAX:
         return seen.component
-    step, chosen = _lattice(seen, parameters.subsample)
+    step, chosen = lattice(seen, parameters.subsample)
     points, component = seen.points[chosen], seen.component[chosen]
     samples = points.astype(np.float32)
     best_err, best_centres = math.inf, None
     for k in range(1, min(N + parameters.extra_hypotheses, len(points)) + 1):
-        labels, centres = _kmeans(samples, k)
+        labels, centres = kmeans(samples, k)
         err = ellipse_error(points, labels, moments(points, labels, k, step), seen.size, step)
         if err * (1 + k / penalty) < best_err:
             best_err, best_centres = err * (1 + k / penalty), centres
@@ -65,10 +64,10 @@ def cluster(seen: Segments, parameters: ClusterParameters) -> Ints:
         if err * (1 + N / penalty) <= best_err:
             return seen.component
     assert best_centres is not None
-    return _nearest(seen.points, best_centres)
+    return nearest_centre(seen.points, best_centres)
 
 
-def _lattice(seen: Segments, subsample: int) -> tuple[int, Bools | slice]:
+def lattice(seen: Segments, subsample: int) -> tuple[int, Bools | slice]:
     """Step of the sampling lattice [px] and which points lie on it.
 
     Every component must leave a few points, and all together SAMPLE_MIN_PX.
@@ -83,7 +82,7 @@ def _lattice(seen: Segments, subsample: int) -> tuple[int, Bools | slice]:
     return 1, slice(None)
 
 
-def _kmeans(samples: np.ndarray, k: int) -> tuple[Ints, Floats]:
+def kmeans(samples: np.ndarray, k: int) -> tuple[Ints, Floats]:
     """Labels (n,) and centres (k, 2) of float32 samples (n, 2); the same for the same samples."""
     cv2.setRNGSeed(KMEANS_SEED)
     _, labels, centres = cv2.kmeans(
@@ -92,7 +91,7 @@ def _kmeans(samples: np.ndarray, k: int) -> tuple[Ints, Floats]:
     return labels.ravel().astype(np.intp), np.asarray(centres, dtype=np.float64)
 
 
-def _nearest(points: Ints, centres: Floats) -> Ints:
+def nearest_centre(points: Ints, centres: Floats) -> Ints:
     """Index of the nearest centre for each point (n, 2)."""
     squared = ((points[:, None, :] - centres[None]) ** 2).sum(axis=-1)
     nearest: Ints = np.argmin(squared, axis=1)

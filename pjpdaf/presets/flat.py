@@ -53,13 +53,18 @@ class Leaf:
 
 def leaves(record: type, above: tuple[str, ...] = ()) -> Iterator[Leaf]:
     """All parameters of a record type and the records in it, in order."""
-    kinds = get_type_hints(record)
+    kinds = _kinds(record)
     for field in dataclasses.fields(record):
         path, kind = (*above, field.name), kinds[field.name]
         if isinstance(kind, type) and dataclasses.is_dataclass(kind):
             yield from leaves(kind, path)
         else:
             yield Leaf(path, kind)
+
+
+@functools.cache
+def _kinds(record: type) -> dict[str, Any]:
+    return get_type_hints(record)  # slow: it evaluates every annotation
 
 
 def flat_names(record: type) -> tuple[str, ...]:

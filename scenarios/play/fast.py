@@ -18,7 +18,7 @@ from scenarios.play.recipe import sized
 from scenarios.spec.draw import concrete, unjudged
 from sim.silhouettes import blobs_with_looks, skin_blobs
 from sim.silhouettes.blobs_with_looks import BlobsWithLooks
-from sim.silhouettes.error_model import BlobErrors, ErrorModel
+from sim.silhouettes.error_model import BlobErrors, error_model
 from sim.silhouettes.film import film_of
 from sim.silhouettes.painter import Painter
 from sim.silhouettes.skin_blobs import SkinBlobs
@@ -40,7 +40,7 @@ def play_fast(job: Job, redraw: int = 0) -> Episode:
     film = film_of(performance, step_px, everything)
     detector, tracker = make_system(job.system, film.calibration)
     painter = Painter(film)
-    stand_in = _stand_in(detector, painter)
+    stand_in = _stand_in(job.system.detector, detector, painter)
     truths = Truths(film)
     outcomes = []
     for step in follow(film.frames(), stand_in, tracker):
@@ -73,10 +73,11 @@ def _painting(system: System) -> tuple[int, bool]:
     return skin_blobs.STEP_PX, False
 
 
-def _stand_in(detector: Detector, painter: Painter) -> Detector:
+def _stand_in(name: str, detector: Detector, painter: Painter) -> Detector:
     film = painter.film
     views = len(film.outlines)
-    errors = BlobErrors(ErrorModel(), film.frame_count, views, film.performance.seed)
+    width_px, seed = film.rig.left.width_px, film.performance.seed
+    errors = BlobErrors(error_model(name), film.frame_count, views, width_px, seed)
     if isinstance(detector, SkinDetector):
         return SkinBlobs(film.calibration.cameras, detector.parameters, painter, errors)
     assert isinstance(detector, BlobDetector)

@@ -9,12 +9,11 @@ import numpy as np
 from pjpdaf.arrays import Floats, readonly
 from sim.anatomy import Anatomy
 from sim.specs import Appearance
-from sim.surfaces.shapes import Surface, capped, closed_grid, interpolate
+from sim.surfaces.shapes import Surface, capped, closed_grid, extremes, interpolate
 from sim.surfaces.textures import Texture, soft, to_bytes, value_noise
 
 RINGS, SIDES = 44, 52
 HAIR = ("short", "long", "bald")
-_DIRECTIONS = 160  # in which an outline is followed
 EYE_Y, EYE_Z = 0.0325, 0.006  # of an average head; all features scale with the head's size
 LIP_TINT = np.array([0.88, 0.79, 0.79])  # times the skin: keeps hue and saturation inside skin's
 _AVERAGE = (0.099, 0.0761, 0.1127)  # half depth, breadth, height [m] the features are drawn for
@@ -88,21 +87,9 @@ def _average_outline(hair: str) -> tuple[Floats, Floats]:
         )
         covered = np.concatenate([covered, ring.reshape(-1, 3)])
     return (
-        readonly(_extremes(points[bare]), (None, 3), "bare"),
-        readonly(_extremes(covered), (None, 3), "hair"),
+        readonly(extremes(points[bare]), (None, 3), "bare"),
+        readonly(extremes(covered), (None, 3), "hair"),
     )
-
-
-def _extremes(points: Floats) -> Floats:
-    """The points (m, 3) of (n, 3) that lie outermost in one of _DIRECTIONS directions."""
-    if not len(points):
-        return points
-    index = np.arange(_DIRECTIONS) + 0.5
-    z = 1.0 - 2.0 * index / _DIRECTIONS
-    turn = np.pi * (1.0 + 5**0.5) * index  # a golden spiral over the sphere
-    flat = np.sqrt(1.0 - z * z)
-    ways = np.column_stack([flat * np.cos(turn), flat * np.sin(turn), z])
-    return np.asarray(points[np.unique((points @ ways.T).argmax(axis=0))])
 
 
 @lru_cache(maxsize=1)
@@ -111,7 +98,7 @@ def _average_beard() -> Floats:
     points = _face(*_angles(60, 73)).reshape(-1, 3)
     x, y, z = points.T
     dense = (z < -0.042 - 0.25 * (0.05 - np.abs(y))) & (x > 0.04)
-    return readonly(_extremes(points[dense]), (None, 3), "beard")
+    return readonly(extremes(points[dense]), (None, 3), "beard")
 
 
 def beard_points(anatomy: Anatomy) -> Floats:

@@ -15,7 +15,7 @@ from pjpdaf.detector.adaptation import AdaptationParameters
 from pjpdaf.detector.alignment import LEAST_DEG, moved
 from pjpdaf.detector.blob_detector import directions
 from pjpdaf.detector.components import Segments, min_area_px, segments
-from pjpdaf.detector.ellipses import Moments, ellipse_axes, moments
+from pjpdaf.detector.ellipses import Moments, moments
 from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.detector.silhouette import reduction, turned
 from pjpdaf.frames import StereoFrame
@@ -24,14 +24,14 @@ from pjpdaf.looks import BACKGROUND, CLOTHED, SKIN, BlobLooks, Silhouette
 from sim.silhouettes import shapes
 from sim.silhouettes.error_model import BlobErrors
 from sim.silhouettes.painter import PaintedView, Painter
-from sim.silhouettes.skin_blobs import CLOSING, enlarged
+from sim.silhouettes.skin_blobs import CLOSING, enlarged, quick_axes
 
 STEP_PX = 2  # pictures are painted so much smaller
 _LATTICE = 2  # every so many painted pixels of a row and a column are kept
-# Of each painted class, that of the silhouette.
-_CLASSES = np.full(shapes.PAINTS, BACKGROUND, np.uint8)
-_CLASSES[shapes.CLOTHED] = CLOTHED
-_CLASSES[shapes.BARE :] = SKIN
+_LEAST_PERSON = 63  # of 255: a pixel that shows as much of the person is unlike the background
+_PERSON, _SKIN = np.zeros((2, shapes.PAINTS), np.uint8)
+_PERSON[[shapes.CLOTHED, *range(shapes.BARE, shapes.PAINTS)]] = 255
+_SKIN[shapes.BARE :] = 255
 
 
 @final
@@ -107,7 +107,7 @@ class BlobsWithLooks:
         return Detections(
             fit.centres,
             covariances,
-            ellipse_axes(fit),
+            quick_axes(fit),
             fit.areas,
             looks=BlobLooks(pixels, each, *directions(seen), shape),
         )
@@ -116,14 +116,15 @@ class BlobsWithLooks:
 def _silhouette(painted: PaintedView, camera: Camera) -> Silhouette:
     """The classes of the picture reduced as the detector reduces it."""
     step = reduction(camera.width_px)
-    width, height = max(camera.width_px // step, 1), max(camera.height_px // step, 1)
-    ratio = step / painted.step_px
-    if ratio == int(ratio):
-        middle = int(ratio) // 2
-        classes = painted.classes[middle :: int(ratio), middle :: int(ratio)][:height, :width]
-    else:
-        classes = cv2.resize(painted.classes, (width, height), interpolation=cv2.INTER_NEAREST)
-    return Silhouette(_CLASSES[classes], step)
+    size = max(camera.width_px // step, 1), max(camera.height_px // step, 1)
+    person, skin = (
+        cv2.resize(table[painted.classes], size, interpolation=cv2.INTER_AREA)
+        for table in (_PERSON, _SKIN)
+    )
+    classes = np.full((size[1], size[0]), BACKGROUND, np.uint8)
+    classes[person > _LEAST_PERSON] = CLOTHED
+    classes[skin > 127] = SKIN
+    return Silhouette(classes, step)
 
 
 def _lattice(seen: Segments, step: int, moves_px: Floats) -> tuple[Floats, ...]:

@@ -77,8 +77,11 @@ def outlines_of(
     bar_pixels, bar_depths, bar_boxes = _project_bars(bars, small)
     depths, boxes = [bar_depths], [bar_boxes]
     pixels = []
-    for hull in hulls:
-        points, depth, box = _project_hull(hull, small)
+    points_m = [bars.starts_m[:, :0], *(hull.points_m for hull in hulls)]
+    at, far = _project(np.concatenate(points_m, axis=1), small)
+    ends = np.cumsum([points.shape[1] for points in points_m]).tolist()
+    for hull, first, last in zip(hulls, ends[:-1], ends[1:], strict=True):
+        points, depth, box = _hull_outline(hull, at[:, first:last], far[:, first:last])
         pixels.append(points)
         depths.append(depth[:, None])
         boxes.append(box[:, None])
@@ -171,9 +174,10 @@ def _project_bars(bars: Bars, camera: Camera) -> tuple[NDArray[np.int32], Floats
     return _fixed(outline), 0.5 * (depth[:, :n] + depth[:, n:]), box
 
 
-def _project_hull(hull: Hull, camera: Camera) -> tuple[NDArray[np.int32], Floats, Floats]:
+def _hull_outline(
+    hull: Hull, points: Floats, depth: Floats
+) -> tuple[NDArray[np.int32], Floats, Floats]:
     """Points (F, k, 2), depth (F,) and box (F, 4) of a hull, drawn in by the border."""
-    points, depth = _project(hull.points_m, camera)
     low, high = points.min(axis=1), points.max(axis=1)
     middle = 0.5 * (low + high)[:, None]
     extent = np.maximum(high - low, 1e-6)

@@ -19,6 +19,7 @@ from sim.person.torso import COLLAR_TOP_M, torso_surface
 from sim.silhouettes.pose_track import PoseTrack
 from sim.silhouettes.shapes import BARE, CLOTHED, TARGET_PAINT, Bars, Hull, bars_of, joined
 from sim.specs import RGB, Appearance
+from sim.surfaces.shapes import extremes
 
 # Radii, for the average stature, at these shares of a bone, as `sim.person.sleeves` draws them [m].
 _SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
@@ -194,7 +195,7 @@ def _trunk(anatomy: Anatomy, lowest_m: float) -> tuple[Floats, ...]:
     vertices = vertices[vertices[:, 2] >= lowest_m]
     z = vertices[:, 2] / (anatomy.stature_m / 1.72)
     pieces = [vertices[(z >= low) & (z <= high)] for low, high in _SLICES]
-    return tuple(piece for piece in pieces if len(piece))
+    return tuple(extremes(piece) for piece in pieces if len(piece))
 
 
 _SLICES = ((-0.57, -0.20), (-0.23, -0.005), (-0.03, 0.06))  # of the average trunk

@@ -12,19 +12,21 @@ import numpy as np
 
 from pjpdaf.arrays import Floats, Ints
 from pjpdaf.camera import Camera
-from pjpdaf.detector.clusters import ClusterParameters, cluster
+from pjpdaf.detector.clusters import ClusterParameters
 from pjpdaf.detector.components import Segments, min_area_px, segments
-from pjpdaf.detector.ellipses import Moments, ellipse_axes, moments
+from pjpdaf.detector.ellipses import Moments, moments
 from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detections, Estimates
+from sim.silhouettes.clustering import chosen_clusters
 from sim.silhouettes.error_model import BlobErrors
 from sim.silhouettes.painter import PaintedView, Painter
 from sim.silhouettes.patches import Patches, T, apart
 from sim.silhouettes.shapes import BARE
 
 STEP_PX = 2  # pictures are painted so much smaller
-CLOSING = np.ones((3, 3), np.uint8)  # as the detector's of 5 px
+CLOSING = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))  # as the detector's of 5 px
+_SAMPLE = 2  # of the painted pixels each way, where they are searched for components
 _APART = 3  # components that are taken for the blobs: k-means is not asked
 
 
@@ -46,9 +48,7 @@ class SkinBlobs:
     _centre_covariances: Floats = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        # Every other row and column of the painted pixels is the sample of the whole picture.
-        sample = max(1, round(self.parameters.clusters.subsample / STEP_PX**2))
-        whole = replace(self.parameters.clusters, subsample=sample)
+        whole = replace(self.parameters.clusters, subsample=1)  # of the sampled pixels
         object.__setattr__(self, "_all_pixels", whole)
         other_skin = any(view.other_skin for view in self.painter.film.outlines)
         object.__setattr__(self, "_simple", whole.components_compete and not other_skin)
@@ -79,13 +79,18 @@ class SkinBlobs:
         if self._simple and _plain(painted.patches, least):
             return self._plain_blobs(painted, frame, number)
         skin = (painted.classes >= BARE).view(np.uint8)
-        mask = cv2.morphologyEx(skin, cv2.MORPH_CLOSE, CLOSING)
-        seen = segments(mask, least, p.components.merge_fragments)
+        # Every other row and column: the detector's own sample of the whole picture.
+        mask = cv2.morphologyEx(skin, cv2.MORPH_CLOSE, CLOSING)[::_SAMPLE, ::_SAMPLE]
+        mask = np.ascontiguousarray(mask)
+        seen = segments(mask, least / _SAMPLE**2, p.components.merge_fragments)
         if seen.count == 0:
             return Detections.none()
         labels = self._cluster(seen)
         fit = moments(seen.points, labels, int(labels.max()) + 1)
-        return self._detections(enlarged(fit, step), frame, number)
+        sampled = Moments(
+            fit.centres * _SAMPLE, fit.covariances * _SAMPLE**2, fit.areas * _SAMPLE**2
+        )
+        return self._detections(enlarged(sampled, step), frame, number)
 
     def _plain_blobs(self, painted: PaintedView, frame: int, number: int) -> Detections:
         """Blobs of a picture in which each target is a component: without looking for them."""
@@ -107,12 +112,12 @@ class SkinBlobs:
         covariances = self._centre_covariances[: len(fit)]
         if len(covariances) < len(fit):
             covariances = np.broadcast_to(covariances[0], (len(fit), 2, 2))
-        return Detections(fit.centres, covariances, ellipse_axes(fit), fit.areas)
+        return Detections(fit.centres, covariances, quick_axes(fit), fit.areas)
 
     def _cluster(self, seen: Segments) -> Ints:
         if seen.count == _APART and self._all_pixels.components_compete:
             return seen.component
-        return cluster(seen, self._all_pixels)
+        return chosen_clusters(seen, self._all_pixels)
 
 
 def _plain(patches: Patches, least: float) -> bool:
@@ -130,3 +135,16 @@ def enlarged(fit: Moments, step: int) -> Moments:
     return Moments(
         fit.centres * step + (step - 1) / 2, fit.covariances * step**2, fit.areas * step**2
     )
+
+
+def quick_axes(fit: Moments) -> Floats:
+    """`pjpdaf.detector.ellipses.ellipse_axes` in closed form."""
+    C = fit.covariances
+    half, off = 0.5 * (C[:, 0, 0] - C[:, 1, 1]), C[:, 0, 1]
+    mean, reach = 0.5 * (C[:, 0, 0] + C[:, 1, 1]), np.hypot(half, off)
+    axes = np.empty((len(fit), 5))
+    axes[:, :2] = fit.centres
+    axes[:, 2] = 2.0 * np.sqrt(mean + reach)
+    axes[:, 3] = 2.0 * np.sqrt(np.maximum(mean - reach, 0.0))
+    axes[:, 4] = 0.5 * np.arctan2(off, half)
+    return axes

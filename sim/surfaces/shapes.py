@@ -85,6 +85,18 @@ def interpolate(stations: Floats, at: Floats) -> Floats:
     )
 
 
+def extremes(points: Floats, directions: int = 110) -> Floats:
+    """The points (m, 3) of (n, 3) that lie outermost in one of so many directions: their hull."""
+    if not len(points):
+        return points
+    index = np.arange(directions) + 0.5
+    z = 1.0 - 2.0 * index / directions
+    turn = np.pi * (1.0 + 5**0.5) * index  # a golden spiral over the sphere
+    flat = np.sqrt(1.0 - z * z)
+    ways = np.column_stack([flat * np.cos(turn), flat * np.sin(turn), z])
+    return np.asarray(points[np.unique((points @ ways.T).argmax(axis=0))])
+
+
 def capped(rings: Floats) -> Floats:
     """Rings (k, s, 3) with a pole at the mean of the first and of the last: (k + 2, s, 3)."""
     first, last = (np.broadcast_to(r.mean(axis=0), r.shape) for r in (rings[0], rings[-1]))
