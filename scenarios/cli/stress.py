@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -93,7 +94,9 @@ def search(
     find: Annotated[
         str, typer.Option(metavar="A,B", help="Of swap, head (a swap with it), lost; or all.")
     ] = "all",
-    budget: Annotated[int, typer.Option(help="Runs a family at most, but for the last two.")] = 500,
+    budget: Annotated[
+        int, typer.Option(help="Runs a family; the last failures are analysed beyond it.")
+    ] = 500,
     distinct: Annotated[int, typer.Option(help="End with so many distinct failures.")] = 20,
     patience: Annotated[int, typer.Option(help="End after so many runs without a new one.")] = 2000,
     confirm: Annotated[int, typer.Option(help="Failures a family to render.")] = 8,
@@ -139,6 +142,7 @@ def search(
             patience,
             confirm,
             not no_corpus,
+            tuple(sys.argv[1:]),
         )
     )
 

@@ -47,7 +47,8 @@ class Counterexample:
     @property
     def result(self) -> TrialResult:
         """The result that counts: of the rendered episode where there is one."""
-        return self.failure.evaluation.result if self.full is None else self.full.result
+        played = self.full is not None and self.full.result.robustness is not None
+        return self.full.result if self.full and played else self.failure.evaluation.result
 
     @property
     def blame(self) -> str:

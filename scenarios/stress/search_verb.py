@@ -11,6 +11,8 @@ from rich.console import Console
 
 from pjpdaf.errors import BenchError
 from reports.score.robustness import GOALS, Goal
+from reports.stress.page import write_stress_page
+from reports.stress.records import SearchFile, write_record
 from reports.summary.text import count
 from scenarios.spec.corpus_case import corpus_files, load_corpus_case
 from scenarios.spec.suggestion import did_you_mean
@@ -18,11 +20,14 @@ from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
 from scenarios.stress.case import Case
 from scenarios.stress.case_file import case_of, corpus_case, write_case
 from scenarios.stress.confirm import Counterexample, choose, confirm
+from scenarios.stress.recording import record_episodes
 from scenarios.stress.search.evaluation import Evaluator
+from scenarios.stress.search.page_record import search_record, shown_failures, shown_measure
 from scenarios.stress.search.record import KIND, VERSION, family_record
 from scenarios.stress.search.search import FamilySearch, SearchPlan, search_family
 from scenarios.stress.search.table import failure_table
 from scenarios.stress.space import Space
+from scenarios.stress.system_text import command_text, system_text
 from sim.files import written_whole_file
 
 MAX_BUDGET = 1_000_000
@@ -45,6 +50,7 @@ class SearchRequest:
     patience: int = 2000
     confirm: int = 8
     corpus: bool = True
+    argv: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -78,7 +84,9 @@ def search_verb(request: SearchRequest) -> None:
         results = [_search(campaign, space, request, goals) for space in campaign.spaces]
         results = [_with_files(campaign, result) for result in results]
         _write_record(campaign, results)
+        page = _write_page(campaign, results, request.argv)
         _print(campaign, results)
+        Console().print(f"page: {page}", highlight=False, soft_wrap=True)
 
 
 def goals_of(text: str) -> tuple[Goal, ...]:
@@ -148,9 +156,7 @@ def _with_files(campaign: Campaign, result: FamilyFound) -> FamilyFound:
         if robustness is None or (one.full is not None and not one.confirmed):
             files.append(None)
             continue
-        measure = one.measure
-        if one.full is not None and robustness.measures[measure] >= 0:
-            measure = one.result.failed[0]
+        measure = shown_measure(one)
         record = corpus_case(
             name,
             one.case,
@@ -181,6 +187,31 @@ def _write_record(campaign: Campaign, results: Sequence[FamilyFound]) -> None:
     path = campaign.folder / "search.json"
     with written_whole_file(path, "the search", replace=True) as part:
         part.write_text(json.dumps(record, sort_keys=True, indent=1) + "\n", encoding="utf-8")
+
+
+def _write_page(campaign: Campaign, results: Sequence[FamilyFound], argv: Sequence[str]) -> Path:
+    """failures.json, the episodes of the failures that count, and stress.html."""
+    records, shown = [], []
+    for result in results:
+        episodes = shown_failures(result.found, result.files, campaign.system, campaign.fidelity)
+        shown += list(episodes.values())
+        records.append(
+            search_record(result.search, result.found, result.files, campaign.fidelity, episodes)
+        )
+    if shown:
+        campaign.progress.start("episodes of the page", len(shown))
+        record_episodes(
+            campaign.folder,
+            shown,
+            campaign.runner.executor,
+            campaign.runner.time_limit_s,
+            lambda: campaign.progress.bar.advance(campaign.progress.task),
+        )
+    file = SearchFile(
+        system=system_text(campaign.system), searches=tuple(records), command=command_text(argv)
+    )
+    write_record(campaign.folder / "failures.json", file)
+    return write_stress_page([campaign.folder], campaign.folder / "stress.html")
 
 
 def _print(campaign: Campaign, results: Sequence[FamilyFound]) -> None:

@@ -3,7 +3,6 @@
 import json
 import re
 import signal
-import time
 
 import pytest
 from commands import assert_one_line, in_this_process, started, wait_until
@@ -17,7 +16,7 @@ WORDS = ("stress", "cross", "search", "--preset", "thesis", "--set", "frames=6",
 def test_a_search_ends_with_its_files_and_goes_on_after_a_kill(tmp_path, monkeypatch):
     """Killed with -9 in the middle; 3 workers then give the bytes that 1 gives in one go."""
     monkeypatch.chdir(tmp_path)
-    words = (*WORDS, "--budget", "40", "--find", "lost")
+    words = (*WORDS, "--budget", "24", "--find", "lost")
     killed = started(*words, "--jobs", "1", "--out", "killed", cwd=tmp_path)
     journal = tmp_path / "killed" / FILE
     wait_until(lambda: journal.is_file() and journal.stat().st_size > 3000, killed)
@@ -27,8 +26,7 @@ def test_a_search_ends_with_its_files_and_goes_on_after_a_kill(tmp_path, monkeyp
     again = in_this_process(*words, "--jobs", "3", "--out", "killed")
     assert again.returncode == 0, again.stderr
     assert journal.stat().st_size > size
-    assert "cross: 40 runs in fast" in again.stdout
-    begun = time.monotonic()
+    assert "cross: 24 runs in fast" in again.stdout
     whole = in_this_process(*words, "--jobs", "1")
     # Without --out the folder is that of the command.
     (folder,) = (tmp_path / "runs").iterdir()
@@ -37,8 +35,8 @@ def test_a_search_ends_with_its_files_and_goes_on_after_a_kill(tmp_path, monkeyp
     ).read_bytes()
     assert re.sub(r"runs/\S+?/", "killed/", whole.stdout) == again.stdout
     record = json.loads((folder / "search.json").read_text())
-    assert len(record["families"][0]["points"]) == 40
-    assert time.monotonic() > begun
+    assert len(record["families"][0]["points"]) == 24
+    assert (folder / "stress.html").is_file()
     once_more = in_this_process(*words, "--jobs", "1")
     assert once_more.stdout == whole.stdout
 

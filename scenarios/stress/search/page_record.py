@@ -1,0 +1,102 @@
+"""failures.json: the part of a search that the page shows."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from reports.score.robustness import GOALS, measures_of
+from reports.stress.records import CaseRecord, ChangedValue, FailureRecord, Fidelity, SearchRecord
+from scenarios.play.job import System
+from scenarios.spec.parameters.numeric import Numeric
+from scenarios.stress.case import Trial
+from scenarios.stress.confirm import Counterexample
+from scenarios.stress.recording import Shown
+from scenarios.stress.search.search import FamilySearch
+from scenarios.stress.space import Space
+
+
+def search_record(
+    search: FamilySearch,
+    found: Sequence[Counterexample],
+    files: Sequence[Path | None],
+    fidelity: Fidelity,
+    shown: Mapping[int, Shown],
+) -> SearchRecord:
+    """A family's search; shown: by number, the failures whose episode the page plays."""
+    return SearchRecord(
+        family=search.space.family.name,
+        fidelity=fidelity,
+        parameters=len(search.space.axes),
+        runs=search.runs,
+        failing=sum(bool(e.result.failed) for e in search.evaluations),
+        first=search.first_failure(),
+        ended=search.ended,
+        failures=tuple(
+            _failure(one, search.space, fidelity, file, shown.get(number))
+            for number, (one, file) in enumerate(zip(found, files, strict=True))
+        ),
+    )
+
+
+def shown_failures(
+    found: Sequence[Counterexample],
+    files: Sequence[Path | None],
+    system: System,
+    fidelity: Fidelity,
+) -> dict[int, Shown]:
+    """By number, the failures that count, as episodes for the page."""
+    chosen: dict[int, Shown] = {}
+    for number, (one, file) in enumerate(zip(found, files, strict=True)):
+        if file is not None:
+            played = fidelity if one.full is None else "full"
+            chosen[number] = Shown(file.stem, Trial(one.case, system, played))
+    return chosen
+
+
+def _failure(
+    one: Counterexample,
+    space: Space,
+    fidelity: Fidelity,
+    file: Path | None,
+    shown: Shown | None,
+) -> FailureRecord:
+    robustness = one.result.robustness
+    assert robustness is not None
+    nominal = space.nominal()
+    return FailureRecord(
+        measure=shown_measure(one),
+        cell=one.failure.signature.words,
+        case=CaseRecord(family=one.case.family, values=dict(one.case.values), seed=one.case.seed),
+        changed=tuple(
+            ChangedValue(
+                name=name,
+                unit=_unit(space, name),
+                value=one.case.values[name],
+                nominal=nominal[name],
+            )
+            for name, _ in one.failure.signature.cell
+        ),
+        fidelity=fidelity if one.full is None else "full",
+        rho=robustness.measures[shown_measure(one)],
+        severity=one.result.severity,
+        confirmed=None if one.full is None else one.confirmed,
+        survived=(one.survival.failed, one.survival.of),
+        blame=one.blame,
+        command="" if file is None else shlex.join(["pjpdaf-bench", "stress", str(file), "replay"]),
+        episode=None if shown is None else shown.key,
+    )
+
+
+def shown_measure(one: Counterexample) -> str:
+    """The measure that fails in the episode that counts: another hand's where that fails too."""
+    if not one.confirmed or one.measure in one.result.failed:
+        return one.measure
+    goal = next(goal for goal in GOALS if one.measure in measures_of((goal,)))
+    return next(name for name in one.result.failed if name in measures_of((goal,)))
+
+
+def _unit(space: Space, name: str) -> str:
+    parameter = space.axis(name).parameter
+    return parameter.unit if isinstance(parameter, Numeric) else ""
