@@ -44,10 +44,16 @@ DETECTOR = tuple(
 # A hand that costs this much is never chosen.
 NEVER = "1e6"
 OFFSETS = {"hand_offset_m": "0,0,0", "head_offset_m": "0,0,0"}
+HALVES, FACE = {"halves": "false"}, {"face": NEVER}
 SLEEVES, HYPOTHESES = {"sleeve_weight": "0"}, {"hypotheses": "1"}
 TRACKER = (
     Part("pieces beside the head", {"beside_head": "false"}),
-    Part("halves", {"halves": "false"}),
+    Part("a head in pieces joined", {"join_head": "false"}),
+    Part("halves", HALVES),
+    Part("halves drawn together", {"draw_together": "0"}, HALVES),
+    Part("outlines of parts", {"contours": "false"}, HALVES),
+    Part("hands cut by the edge", {"cut_hands": "false"}),
+    Part("what one view hides", {"hidden_share": "0"}),
     Part("ends of bare arms", {"ends": "false"}),
     Part("middle of the palm", {"palm": "0"}),
     Part("sleeves", SLEEVES),
@@ -58,8 +64,9 @@ TRACKER = (
     Part("rest, movement and fast movement", {"deviations_m": "0.168,0.168,0.168"}),
     Part("errors common to both views", {"whole_px": "0.1,2.6", "part_px": "0.1,8.2"}),
     Part("sightings of one view", {"single_view": NEVER}),
-    Part("a hand at the face", {"face": NEVER}),
-    Part("blobs want owners", {"unexplained": "0"}),
+    Part("a hand at the face", FACE),
+    Part("places before the face", {"face_reach_m": "0"}, FACE),
+    Part("blobs want owners", {"unexplained": "0", "unexplained_single": "0"}),
     Part("pieces of face and neck", {"piece": "0"}),
     Part("size of the hands learnt", {"area_memory": "0"}),
     Part("height of the hair", {"crown_share": "0"}, OFFSETS),
@@ -124,6 +131,8 @@ def table(title: str, base: Variant, others: tuple[Variant, ...], found: list[Re
     mine = {v.name: [r for r in found if r.variant == v.name] for v in (base, *others)}
     of_base = {(result.scenario, result.seed): result for result in mine[base.name]}
     groups = {name: len(results) for name, results in by_group(mine[base.name])}
+    if len(groups) == 2:
+        groups.pop("all")  # the same as the only group
     # A variant that was tried in some groups only has no figure for all.
     partial = {variant.name for variant in others if variant.groups} - {base.name}
 
@@ -135,7 +144,7 @@ def table(title: str, base: Variant, others: tuple[Variant, ...], found: list[Re
         for name, results in mine.items():
             cells = {g: cell(some, name == base.name) for g, some in by_group(results)}
             if name in partial and len(results) < len(mine[base.name]):
-                cells.pop("all")
+                cells.pop("all", None)
             print(f"| {name} | " + " | ".join(cells.get(g, "") for g in groups) + " |")
 
     rows(

@@ -123,5 +123,11 @@ def _cell(kind: pa.DataType):
     if pa.types.is_floating(kind):
         return st.sampled_from([None, float("nan"), float("inf"), -50.0, 0.0, 1e30, 1e300])
     if pa.types.is_list(kind):
-        return st.sampled_from([None, [], [0.0], [float("nan")] * 9])
+        return st.sampled_from(
+            [None, [], [0.0], [float("nan")] * 9]
+            if pa.types.is_floating(kind.value_type)
+            else [None, []]
+        )
+    if not pa.types.is_string(kind):
+        return st.none()
     return st.sampled_from([None, "", "x", "head", "\x1b[2J", "ä" * 999])

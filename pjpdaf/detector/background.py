@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pjpdaf.arrays import readonly
-from pjpdaf.checks import check_above_zero, check_not_negative
+from pjpdaf.checks import AboveZero, AboveZeroInt, NotNegative, check_bounds
 from pjpdaf.detector.skin import HUE_STEP_DEG, to_hsv
 from pjpdaf.errors import BenchError
 
@@ -19,30 +19,21 @@ class BackgroundParameters:
     """Learning of the background, and the test of a pixel against it."""
 
     # Fewest person-free frames to learn the background from [frames]. Thesis: "several".
-    background_learn_min: int = 10
+    background_learn_min: AboveZeroInt = 10
     # Foreground where d^2 = sum (x - mean)^2 / sd^2 is above this [1]. Not printed;
     # 16.27 is the 99.9 % point of chi-square with 3 degrees of freedom.
-    background_threshold: float = 16.27
+    background_threshold: AboveZero = 16.27
     # Floors of the background's standard deviations: hue [deg], saturation and value [1].
-    hue_sd_floor_deg: float = 6.0
-    sat_sd_floor: float = 0.03
-    val_sd_floor: float = 0.03
+    hue_sd_floor_deg: AboveZero = 6.0
+    sat_sd_floor: AboveZero = 0.03
+    val_sd_floor: AboveZero = 0.03
     # A pixel that only lost light is shadow, not foreground: its value lies between this share of
     # the background's and all of it [1], and hue and saturation pass the test alone. 1 = no such
     # rule, as in the thesis. The person's own shadow on wood keeps the hue of skin.
-    shadow_min: float = 0.5
+    shadow_min: NotNegative = 0.5
 
     def __post_init__(self) -> None:
-        check_above_zero(
-            "DetectorParameters",
-            self,
-            "background_threshold",
-            "hue_sd_floor_deg",
-            "sat_sd_floor",
-            "val_sd_floor",
-            "background_learn_min",
-        )
-        check_not_negative("DetectorParameters", self, "shadow_min")
+        check_bounds("DetectorParameters", self)
 
 
 @dataclass(frozen=True, eq=False)

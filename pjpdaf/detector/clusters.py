@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from pjpdaf.arrays import Bools, Floats, Ints
-from pjpdaf.checks import check_above_zero, check_not_negative
+from pjpdaf.checks import AboveZero, AboveZeroInt, NotNegativeInt, check_bounds
 from pjpdaf.detector.components import Segments
 from pjpdaf.detector.ellipses import ellipse_error, moments
 
@@ -27,18 +27,17 @@ class ClusterParameters:
     """Hypotheses of k clusters, and their choice."""
 
     # p of Eq. 3.2, Err (1 + k / p) [1], Table 4.1.
-    kmeans_penalty: float = 5.0
+    kmeans_penalty: AboveZero = 5.0
     # Hypotheses k = 1 .. N + extra_hypotheses clusters for N components, section 3.1.2.
-    extra_hypotheses: int = 2
+    extra_hypotheses: NotNegativeInt = 2
     # k-means sees every n-th skin pixel, on a square lattice [1]; 1 = all, as in the thesis.
-    subsample: int = 16
+    subsample: AboveZeroInt = 16
     # The N components themselves compete, beside k-means with k = N: k-means alone gives the rim of
     # a head to a hand close by. Not in the thesis.
     components_compete: bool = True
 
     def __post_init__(self) -> None:
-        check_above_zero("DetectorParameters", self, "kmeans_penalty", "subsample")
-        check_not_negative("DetectorParameters", self, "extra_hypotheses")
+        check_bounds("DetectorParameters", self)
 
 
 def cluster(seen: Segments, parameters: ClusterParameters) -> Ints:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pjpdaf.arrays import Ints
 from pjpdaf.camera import Camera, to_camera
-from pjpdaf.checks import check_not_negative
+from pjpdaf.checks import NotNegative, NotNegativeInt, check_bounds
 from pjpdaf.interfaces import Estimates
 
 FRAGMENT_MIN_PX = 4  # smaller specks are noise that the opening left
@@ -22,29 +22,21 @@ class ComponentParameters:
     """Cleaning of the mask, and the components that are kept."""
 
     # Smallest component kept [px], A_min of Table 4.1 (500), here at the reference focal length.
-    min_area_px: float = 150.0
+    min_area_px: NotNegative = 150.0
     # min_area_px holds for this focal length [px] and this depth [m]; it is scaled by
     # (f / reference_focal_px)^2 (and by (reference_depth_m / Z)^2 where a depth Z is known).
     # 0 = unscaled, as in the thesis.
-    reference_focal_px: float = 540.0
-    reference_depth_m: float = 1.3
+    reference_focal_px: NotNegative = 540.0
+    reference_depth_m: NotNegative = 1.3
     # Diameter of the opening and closing elements [px]; 0 = none. "Combination of operations".
-    open_px: int = 3
-    close_px: int = 5
+    open_px: NotNegativeInt = 3
+    close_px: NotNegativeInt = 5
     # A component under min_area_px joins its nearest neighbour if that is nearer than its own
     # diameter (a sleeve, a cup or a shadow cut it off). Not in the thesis.
     merge_fragments: bool = True
 
     def __post_init__(self) -> None:
-        check_not_negative(
-            "DetectorParameters",
-            self,
-            "min_area_px",
-            "reference_focal_px",
-            "reference_depth_m",
-            "open_px",
-            "close_px",
-        )
+        check_bounds("DetectorParameters", self)
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
-from pjpdaf.checks import check_above_zero
+from pjpdaf.checks import AboveZero, check_bounds
 from pjpdaf.detector.background import BackgroundParameters
 from pjpdaf.detector.clusters import ClusterParameters
 from pjpdaf.detector.components import ComponentParameters
@@ -24,7 +23,7 @@ class DetectorParameters:
     clusters: ClusterParameters = field(default_factory=ClusterParameters)
     # Standard deviation of a centre, per axis [px], reported with each detection; R of Table 4.1
     # is 15 px^2.
-    centre_sd_px: float = math.sqrt(15.0)
+    centre_sd_px: AboveZero = 15.0**0.5
 
     def __post_init__(self) -> None:
-        check_above_zero("DetectorParameters", self, "centre_sd_px")
+        check_bounds("DetectorParameters", self)

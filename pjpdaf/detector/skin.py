@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from pjpdaf.checks import BadParameter, check_not_negative
+from pjpdaf.checks import BadParameter, NotNegative, check_bounds
 from pjpdaf.errors import BenchError
 
 HUE_STEP_DEG = 360.0 / 256.0  # OpenCV's "full" HSV: hue 0..255 is one turn, s and v are 0..255
@@ -32,10 +32,10 @@ class SkinRange:
     saturation_range: tuple[float, float] = (0.2, 0.7)
     # Smallest value (brightness) of a skin pixel [1], 0..1. Not in the thesis: hue and saturation
     # of dark hair are noise.
-    value_min: float = 0.2
+    value_min: NotNegative = 0.2
 
     def __post_init__(self) -> None:
-        check_not_negative("DetectorParameters", self, "value_min")
+        check_bounds("DetectorParameters", self)
         low, high = self.saturation_range
         if not 0 <= low < high <= 1:
             raise BadParameter(

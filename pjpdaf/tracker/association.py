@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pjpdaf.arrays import Bools, Floats
-from pjpdaf.checks import check_above_zero, check_between_0_and_1
+from pjpdaf.checks import AboveZero, BetweenZeroAndOne, check_bounds
 from pjpdaf.interfaces import Detections
 from pjpdaf.tracker.clutter import ClutterReading, Relative
 from pjpdaf.tracker.jpda import association_probabilities, squared_distances
@@ -23,18 +23,17 @@ class AssociationParameters:
     """Gates and joint probabilistic data association (Eq. 3.24-3.34)."""
 
     # P_D of Eq. 3.33, Table 4.1 [1].
-    p_detect: float = 0.9
+    p_detect: BetweenZeroAndOne = 0.9
     # Gate d^2 <= g^2 (Eq. 3.24); g^2 of Table 4.1 [1].
-    gate: float = 15.0
+    gate: AboveZero = 15.0
     # C of Eq. 3.32, Table 4.1; its unit is that of clutter_reading.
     clutter_reading: ClutterReading = field(default_factory=Relative)
-    clutter: float = 0.1
+    clutter: AboveZero = 0.1
     # A target is located in a view where the mass 1 - beta_0n is at least this [1]. Ours.
-    found_mass: float = 0.5
+    found_mass: BetweenZeroAndOne = 0.5
 
     def __post_init__(self) -> None:
-        check_above_zero("TrackerParameters", self, "gate", "clutter")
-        check_between_0_and_1("TrackerParameters", self, "p_detect", "found_mass")
+        check_bounds("TrackerParameters", self)
 
 
 class Association(NamedTuple):

@@ -10,7 +10,7 @@ import numpy as np
 
 from pjpdaf.arrays import Floats, readonly
 from pjpdaf.camera import Camera
-from pjpdaf.checks import check_above_zero, check_not_negative
+from pjpdaf.checks import AboveZero, NotNegative, check_bounds
 
 NEAREST_M = 1e-3  # a prediction nearer to a camera's plane than this cannot be projected [m]
 
@@ -75,13 +75,12 @@ class MeasurementParameters:
 
     measurement: MeasurementModel = field(default_factory=Jacobian)
     # R = diag(r r r_3) of Eq. 3.22, Table 4.1: r per axis [px^2] ...
-    measurement_px2: float = 15.0
+    measurement_px2: AboveZero = 15.0
     # ... and r_3 [1], the variance of the constant third row of Eq. 3.19; 0 = no third row.
-    third_row_variance: float = 0.0
+    third_row_variance: NotNegative = 0.0
 
     def __post_init__(self) -> None:
-        check_above_zero("TrackerParameters", self, "measurement_px2")
-        check_not_negative("TrackerParameters", self, "third_row_variance")
+        check_bounds("TrackerParameters", self)
 
     @property
     def R(self) -> Floats:  # noqa: N802

@@ -9,7 +9,7 @@ from typing import Protocol, final
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from pjpdaf.checks import check_above_zero, check_not_negative
+from pjpdaf.checks import AboveZero, NotNegative, check_bounds
 from pjpdaf.tracker.thesis_units import FRAME_S, MM2, MM2_PER_FRAME2
 
 
@@ -50,16 +50,14 @@ class ProcessParameters:
 
     process: NoiseGrowth = field(default_factory=Scaled)
     # One frame, the unit of time of the thesis's velocities and of Q [s]; 3 frames/s, section 4.1.
-    frame_s: float = FRAME_S
+    frame_s: AboveZero = FRAME_S
     # Q = diag(q q q v v v) of Eq. 3.5, Table 4.1, a frame: q = 50 mm^2 [m^2] ...
-    process_position_m2: float = 50 * MM2
+    process_position_m2: NotNegative = 50 * MM2
     # ... and v = 5 (mm/frame)^2 [(m/s)^2].
-    process_velocity_m2ps2: float = 5 * MM2_PER_FRAME2
+    process_velocity_m2ps2: NotNegative = 5 * MM2_PER_FRAME2
 
     def __post_init__(self) -> None:
-        owner = "TrackerParameters"
-        check_above_zero(owner, self, "frame_s")
-        check_not_negative(owner, self, "process_position_m2", "process_velocity_m2ps2")
+        check_bounds("TrackerParameters", self)
 
 
 def transition(dt_s: float) -> Floats:

@@ -11,7 +11,7 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, project, to_camera, triangulate
-from pjpdaf.checks import check_above_zero
+from pjpdaf.checks import AboveZero, check_bounds
 from pjpdaf.interfaces import Detections
 from pjpdaf.tracker.thesis_units import MM2, MM2_PER_FRAME2
 
@@ -23,25 +23,18 @@ class StartParameters:
     """First state (section 3.6): positions by triangulation (Eq. 3.45), at rest, with P_0."""
 
     # P_0 = diag(p p p v v v) of Table 4.1: p = 70 mm^2 [m^2] ...
-    start_position_m2: float = 70 * MM2
+    start_position_m2: AboveZero = 70 * MM2
     # ... and v = 30 (mm/frame)^2 [(m/s)^2].
-    start_velocity_m2ps2: float = 30 * MM2_PER_FRAME2
+    start_velocity_m2ps2: AboveZero = 30 * MM2_PER_FRAME2
     # Start only where every target triangulates within this distance in each view [px], ... Ours.
-    start_residual_px: float = 10.0
+    start_residual_px: AboveZero = 10.0
     # ... within this depth [m], ...
     start_depth_m: tuple[float, float] = (0.3, 5.0)
     # ... and the hands lie within this distance of the head [m].
-    start_reach_m: float = 1.2
+    start_reach_m: AboveZero = 1.2
 
     def __post_init__(self) -> None:
-        check_above_zero(
-            "TrackerParameters",
-            self,
-            "start_position_m2",
-            "start_velocity_m2ps2",
-            "start_residual_px",
-            "start_reach_m",
-        )
+        check_bounds("TrackerParameters", self)
 
 
 class Starter(Protocol):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from pjpdaf.checks import check_above_zero, check_not_negative
+from pjpdaf.checks import AboveZero, NotNegative, check_bounds
 from pjpdaf.tracker.association import Association
 from pjpdaf.tracker.state import TrackState
 
@@ -17,13 +17,12 @@ class StatusParameters:
     """Limits beyond which a target is lost."""
 
     # Time without being located in two views [s].
-    lost_after_s: float = 1.0
+    lost_after_s: NotNegative = 1.0
     # Standard deviation of the position along its worst axis [m].
-    lost_sd_m: float = 0.5
+    lost_sd_m: AboveZero = 0.5
 
     def __post_init__(self) -> None:
-        check_above_zero("TrackerParameters", self, "lost_sd_m")
-        check_not_negative("TrackerParameters", self, "lost_after_s")
+        check_bounds("TrackerParameters", self)
 
 
 def judge(

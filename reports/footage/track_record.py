@@ -12,6 +12,7 @@ from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import STATUSES, Detections, Estimates
 from pjpdaf.targets import TARGETS
 from reports.footage.gallery import Gallery
+from reports.footage.stated import DOUBTFUL, SURE_M, StatedDoubt, StatedError, StatedErrors
 from reports.summary.text import LABELS, count
 
 MAX_SAMPLES = 2000  # of the curves; longer footage is thinned, so that memory and page stay small
@@ -34,7 +35,8 @@ class TargetSummary:
 
     frames, shares: by status; shares 0-1 are of the frames since tracking began, of all frames
     where it never did; longest_gap_s: longest time without a frame "tracked"; sd_mm: mean standard
-    deviation along x, y, z while tracked, NaN where it never was.
+    deviation along x, y, z while tracked, NaN where it never was. stated: what the tracker says of
+    its error in all frames since tracking began, whatever their status.
     """
 
     target: str
@@ -42,6 +44,7 @@ class TargetSummary:
     shares: Mapping[str, float]
     longest_gap_s: float
     sd_mm: tuple[float, float, float]
+    stated: StatedError
 
 
 class TrackRecord:
@@ -61,6 +64,7 @@ class TrackRecord:
         self._gap = np.zeros(len(TARGETS), dtype=np.int64)
         self._longest = np.zeros(len(TARGETS), dtype=np.int64)
         self._sd_sums_m = np.zeros((len(TARGETS), 3))
+        self._stated = StatedErrors()
         self._gallery = Gallery()
         self._last_s = 0.0
 
@@ -89,6 +93,8 @@ class TrackRecord:
             self._counts[t, STATUSES.index(status)] += 1
         variances = np.einsum("tii->ti", estimates.covariances_m2)
         self._sd_sums_m[tracked] += np.sqrt(np.maximum(variances[tracked], 0.0))
+        if self.first_frame is not None:
+            self._stated.add(estimates)
         self._sample(frame, estimates)
         self._gallery.offer(frame, estimates, picture)
 
@@ -101,6 +107,11 @@ class TrackRecord:
     def pictures(self) -> list[tuple[str, bytes]]:
         """Caption and JPEG of the frames that the page shows, in order."""
         return self._gallery.pictures(self._period_s)
+
+    @property
+    def doubt(self) -> StatedDoubt:
+        """What the tracker says of right and left."""
+        return self._stated.doubt()
 
     def summaries(self) -> list[TargetSummary]:
         """The summary of each target."""
@@ -118,6 +129,7 @@ class TrackRecord:
                     {s: frames[s] / whole[s] for s in STATUSES},
                     float(self._longest[t] * self._period_s),
                     (float(sd[0]), float(sd[1]), float(sd[2])),
+                    self._stated.error(t),
                 )
             )
         return summaries
@@ -133,12 +145,22 @@ class TrackRecord:
                 "skin (--skin-sample) or a better background may help."
             )
         shares = ", ".join(
-            f"{LABELS[summary.target]} {100 * summary.shares['tracked']:.0f}\N{NO-BREAK SPACE}%"
-            for summary in self.summaries()
+            f"{LABELS[s.target]} {_percent(s.shares['tracked'])} ({_percent(s.stated.sure)})"
+            for s in self.summaries()
         )
         return (
             f"Tracking began at frame {self.first_frame} ({self.first_s:.1f} s). "
-            f"Tracked in the frames from there on: {shares}."
+            "Found in the frames from there on (in brackets: those with a stated standard "
+            f"deviation of {1000 * SURE_M:.0f} mm or less): {shares}. {self._doubt_words()}"
+        )
+
+    def _doubt_words(self) -> str:
+        doubt = self.doubt
+        if not doubt.frames:
+            return "The tracker does not say how sure it is of right and left."
+        return (
+            f"Right and left in doubt ({_percent(DOUBTFUL)} or more that they are exchanged) in "
+            f"{_percent(doubt.doubtful)} of the frames."
         )
 
     def _sample(self, frame: StereoFrame, estimates: Estimates) -> None:
@@ -152,3 +174,7 @@ class TrackRecord:
                 return
         positions = np.array(estimates.positions_m)
         self.samples.append(Sample(frame.index, frame.time_s, positions, estimates.status))
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f}\N{NO-BREAK SPACE}%"

@@ -68,11 +68,11 @@ def learn_background(session: TrackSession, warn: Callable[[str], None]) -> Dete
         )
         return session.detector
     if request.background_from_footage:
-        frames, still = usual_frames(session.frames(), session.total)
+        frames, parts = usual_frames(session.frames(), session.total)
         warn(
-            "--background-from-footage: what does not move becomes background. "
-            f"{100 * still:.0f} % of the pixels of the colour of skin hardly change; a hand or "
-            "head that rests most of the time is among them and is not found."
+            "--background-from-footage: what rests becomes background, but for "
+            f"{parts} parts of the colour of skin that are no larger than a head and inside the "
+            "picture: they are taken for the person, and so is a box or a lamp of such a colour."
         )
         return session.detector.learn(frames)
     if request.background_first is not None:

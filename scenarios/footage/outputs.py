@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 from reports.footage.track_page import TrackInfo
 from reports.footage.track_record import TrackRecord
@@ -62,9 +65,19 @@ def write_json(path: Path, session: TrackSession, record: TrackRecord, info: Tra
         "missing_pictures": record.missing_pictures,
         "first_tracked_frame": record.first_frame,
         "targets": {summary.target: dict(summary.frames) for summary in record.summaries()},
+        "stated": {summary.target: asdict(summary.stated) for summary in record.summaries()},
+        "exchange_probability": asdict(record.doubt),
         "sources": dict(info.sources),
         "parameters": dict(session.parameters),
         "changed": sorted(session.changed),
         "provenance": dict(info.provenance),
     }
+    content = _without_nan(content)
     write_text(path, json.dumps(content, indent=1, ensure_ascii=False, default=str) + "\n")
+
+
+def _without_nan(value: Any) -> Any:
+    """None in place of NaN, which JSON has not."""
+    if isinstance(value, dict):
+        return {key: _without_nan(member) for key, member in value.items()}
+    return None if isinstance(value, float) and math.isnan(value) else value

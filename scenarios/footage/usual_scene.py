@@ -15,19 +15,18 @@ MOST_BYTES = 200 << 20  # of the pictures that are held, of each view
 MOST_FRAMES, LEAST_FRAMES = 60, 20  # spread over the footage
 LEARNT = 12  # frames made of the median and the noise
 CHANGE_PER_SD = 0.954  # median |x - y| of two values with Gaussian noise, over its deviation
-STILL_LEVELS = 12  # grey levels: a pixel that changes less is still
+HEAD_SHARE = 0.08  # of the picture: a head is no larger
 _SKIN_HSV = ((0, 51, 51), (25, 217, 255))  # of any person, in OpenCV's half degrees
 
 
-def usual_frames(
-    frames: Iterable[StereoFrame], total: int | None
-) -> tuple[list[StereoFrame], float]:
+def usual_frames(frames: Iterable[StereoFrame], total: int | None) -> tuple[list[StereoFrame], int]:
     """Person-free frames made of each pixel's median over time, and of its noise.
 
     frames: the footage; total: their number, None if unknown. A person who moves covers a pixel
-    for less than half of the time. Returns the frames, and the share of the skin-coloured pixels of
-    the median that hardly change: what rests would be learnt away. Raises BenchError for less than
-    LEAST_FRAMES pictures in a view.
+    for less than half of the time. Parts of the median that are of the colour of skin, no larger
+    than a head and inside the picture are the person's, who rests: they become something else, so
+    that skin is found there. Returns the frames, and the number of these parts in all views. Raises
+    BenchError for less than LEAST_FRAMES pictures in a view.
     """
     views: list[list[np.ndarray]] = []
     step = max(1, (total or 0) // MOST_FRAMES)
@@ -47,37 +46,50 @@ def usual_frames(
             f"--background-from-footage needs at least {LEAST_FRAMES} pictures of each view, got "
             f"{fewest}."
         )
-    usual, still = zip(*(_usual(held, view) for view, held in enumerate(views)), strict=True)
+    usual, parts = zip(*(_usual(held, view) for view, held in enumerate(views)), strict=True)
     learnt = [StereoFrame(k, float(k), tuple(view[k] for view in usual)) for k in range(LEARNT)]
-    return learnt, float(np.mean(still))
+    return learnt, sum(parts)
 
 
 def _are_too_many(held: list[np.ndarray]) -> bool:
     return len(held) > 2 * MOST_FRAMES or sum(p.nbytes for p in held) > MOST_BYTES
 
 
-def _usual(pictures: list[np.ndarray], view: int) -> tuple[np.ndarray, float]:
-    """LEARNT pictures (LEARNT, h, w, 3): each pixel's median over time, with the footage's noise.
+def _usual(pictures: list[np.ndarray], view: int) -> tuple[np.ndarray, int]:
+    """LEARNT pictures (LEARNT, h, w, 3) of the usual scene, and the number of resting parts.
 
-    And the share of the median's skin colour that is still. In bands of rows: a sorted copy of all
-    pictures at once would double the memory.
+    In bands of rows: a sorted copy of all pictures at once would double the memory.
     """
     rng = generator(view, "footage/usual_scene")
     shape = pictures[0].shape
-    learnt, spread = np.empty((LEARNT, *shape), np.uint8), np.empty(shape, np.uint8)
+    learnt = np.empty((LEARNT, *shape), np.uint8)
     for top in range(0, shape[0], 32):
         rows = slice(top, top + 32)
         band = np.stack([picture[rows] for picture in pictures])
         # Differences from picture to picture: what moves is in less than half of them.
         changes = np.abs(np.diff(band.astype(np.int16), axis=0))
         noise = np.maximum(np.median(changes, axis=0) / CHANGE_PER_SD, 0.5)
-        band.sort(axis=0)
-        median = band[len(band) // 2]
+        median = np.median(band, axis=0)
         noisy = median + noise * rng.standard_normal((LEARNT, *median.shape))
         learnt[:, rows] = np.clip(np.round(noisy), 0, 255).astype(np.uint8)
-        low, high = (band[round(share * (len(band) - 1))] for share in (0.1, 0.9))
-        spread[rows] = high - low
-    mean = learnt.mean(axis=0).astype(np.uint8)
-    skin = cv2.inRange(cv2.cvtColor(mean, cv2.COLOR_BGR2HSV), *_SKIN_HSV) > 0
-    quiet = spread.max(axis=2) < STILL_LEVELS
-    return learnt, float(quiet[skin].mean()) if skin.any() else 0.0
+    resting, count = _resting_parts(learnt.mean(axis=0).astype(np.uint8))
+    learnt[:, resting] = 255 - learnt[:, resting]
+    return learnt, count
+
+
+def _resting_parts(picture: np.ndarray) -> tuple[np.ndarray, int]:
+    """Mask (h, w) and number of skin-coloured parts as small as a head, inside the picture."""
+    skin = cv2.inRange(cv2.cvtColor(picture, cv2.COLOR_BGR2HSV), *_SKIN_HSV)
+    skin = cv2.morphologyEx(skin, cv2.MORPH_OPEN, np.ones((5, 5), np.uint8))
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(skin, connectivity=8)
+    height, width = skin.shape
+    resting = np.zeros(skin.shape, bool)
+    parts = 0
+    for k in range(1, count):
+        x, y, w, h, area = stats[k].tolist()
+        inside = x > 0 and y > 0 and x + w < width and y + h < height
+        if inside and area <= HEAD_SHARE * skin.size:
+            resting |= labels == k
+            parts += 1
+    wide = cv2.dilate(resting.astype(np.uint8), np.ones((15, 15), np.uint8))
+    return wide > 0, parts

@@ -1,8 +1,10 @@
 """Our packages in a process that has packages of the same names."""
 
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -44,6 +46,7 @@ def test_a_broken_library_on_the_path_is_one_line(project):
 
 SWAP = """
 import sys
+import time
 from pjpdaf.entry import own_packages
 if {first}:
     import sim, scenarios
@@ -82,3 +85,19 @@ def test_pytest_of_a_project_with_such_packages_starts(project):
     words = ("-m", "pytest", "-q", "-p", "pjpdaf.pytest_plugin")
     done = python(project, *words, path=(project, ROOT))
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_during_the_first_imports_is_one_line(project, number):
+    """A library that takes its time stands for a slow disk."""
+    (project / "typer.py").write_text(
+        "from pathlib import Path\nimport time\nPath('begun').touch()\ntime.sleep(60)\n"
+    )
+    env = {**os.environ, "PYTHONPATH": f"{project}{os.pathsep}{ROOT}"}
+    command = [sys.executable, "-m", "pjpdaf.entry", "run"]
+    with subprocess.Popen(command, cwd=project, env=env, stderr=subprocess.PIPE) as process:
+        while not (project / "begun").exists():
+            time.sleep(0.02)
+        process.send_signal(number)
+        assert process.stderr.read().decode() == "pjpdaf-bench: interrupted\n"
+    assert process.returncode == 130

@@ -26,7 +26,7 @@ from pjpdaf.tracker.hypotheses.parameters import (
 from pjpdaf.tracker.hypotheses.sleeve import Body, arm_scores, arm_values
 
 AREA_COST_MOST = 6.0
-HANDLIKE_COST = 2.0, 3.0  # of the area, of the pair: a blob below both should be somebody's hand
+HANDLIKE_COST = 3.0, 5.0  # of the area, of the pair: a blob below both should be somebody's hand
 SINGLE_AREA_COST = 4.0  # the same of a blob that one view shows
 LONGEST_FINGERS = 0.3
 FORWARD_MOST = 4.0

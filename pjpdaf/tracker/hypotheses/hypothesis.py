@@ -15,6 +15,7 @@ LARGEST_COST = 14.0  # of a hypothesis beyond the best; what costs more is dropp
 FORBIDDEN = 30.0
 MOTION_COST_MOST = 16.0
 BEHIND_WITHIN_S = 1.0  # after a hand was seen it may turn out to be behind the head
+BEHIND_WITHIN_M = 0.4  # of there
 SAME_M = 0.03  # hypotheses closer than this along each axis are one
 REFERENCE_SD_M = 0.03  # a hand seen where it was expected, this well, costs nothing
 LARGEST_VARIANCE_M2 = 0.25
@@ -178,8 +179,9 @@ def _alone(
     each = np.concatenate([motion, miss], axis=2)
     each[:, :, :n] += seen.own
     each[:, :, n:-1] += seen.face_cost
-    # A hand that was gone before went elsewhere.
-    each[:, :, -2] += np.where(unseen_s[..., 0] > BEHIND_WITHIN_S, FORBIDDEN, 0.0)
+    # A hand that was far from the head, or gone before, went elsewhere.
+    far = np.linalg.norm(means - points[-1], axis=2) > BEHIND_WITHIN_M
+    each[:, :, -2] += np.where(far | (unseen_s[..., 0] > BEHIND_WITHIN_S), FORBIDDEN, 0.0)
     return np.asarray(np.minimum(each, FORBIDDEN))
 
 

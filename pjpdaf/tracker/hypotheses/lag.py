@@ -29,9 +29,15 @@ class Past:
 
 
 def look_back(
-    frames: Sequence[Past], filtered: Estimates, views: Views, p: HypothesisParameters
+    frames: Sequence[Past],
+    filtered: Estimates,
+    views: Views,
+    p: HypothesisParameters,
+    doubt: float = 0.0,
 ) -> Estimates:
     """Estimates of the first of successive frames; filtered: its own, without the later ones.
+
+    doubt: as of `read_out`.
 
     Each hypothesis of the last frame has one line of ancestors. The hands of an ancestor are
     smoothed along its likeliest line (Rauch, Tung, Striebel 1965), and what its lines cost after it
@@ -47,7 +53,7 @@ def look_back(
     smoothed = tuple(
         _smoothed_hands(frames, k, lines.get(k, []), p) for k in range(len(frames[0].hypotheses))
     )
-    estimates = read_out(head, smoothed, None, views, 0.0, p)
+    estimates = read_out(head, smoothed, None, views, 0.0, p, doubt)
     moved = estimates.positions_m - filtered.positions_m
     # Later frames may tell that the hands were taken for each other.
     hands = estimates.positions_m[1:]

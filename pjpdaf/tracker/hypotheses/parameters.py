@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from pjpdaf.checks import check_above_zero, check_not_negative
+from pjpdaf.checks import AboveZero, AboveZeroInt, NotNegative, check_bounds
 
 FRAME_S = 1 / 3  # the unit of time of the motion parameters [s]
 OWNER = "HypothesisParameters"
@@ -23,31 +23,22 @@ class CandidateParameters:
     # Pieces of the head, as a fringe or glasses cut it, are one blob.
     join_head: bool = True
     # How much of two halves' distance goes for each share of two hands' area that is hidden [1].
-    draw_together: float = 1.5
+    draw_together: NotNegative = 1.5
     # Share of the vector from centroid to palm by which a whole hand's centre is moved [1].
-    palm: float = 0.75
+    palm: NotNegative = 0.75
     # Smallest blob that is split [m^2].
-    split_area_m2: float = 0.008
+    split_area_m2: AboveZero = 0.008
     # Mean length of the longer hand's blob from which forearms are bare [m].
-    bare_length_m: float = 0.205
+    bare_length_m: AboveZero = 0.205
     # Length of a hand [m].
-    hand_length_m: float = 0.15
+    hand_length_m: AboveZero = 0.15
     # Size of the head's ellipse whose outside is no head, over the remembered one [1].
-    head_scale: float = 1.15
+    head_scale: AboveZero = 1.15
     # Smallest piece beside the head [m^2].
-    beside_area_m2: float = 0.0012
+    beside_area_m2: AboveZero = 0.0012
 
     def __post_init__(self) -> None:
-        check_above_zero(
-            OWNER,
-            self,
-            "split_area_m2",
-            "bare_length_m",
-            "hand_length_m",
-            "head_scale",
-            "beside_area_m2",
-        )
-        check_not_negative(OWNER, self, "draw_together", "palm")
+        check_bounds(OWNER, self)
 
 
 @dataclass(frozen=True)
@@ -75,15 +66,14 @@ class NoiseParameters:
     part_px: tuple[float, float] = (8.0, 2.0)
     # Of a whole hand's centre between the views, in its radii for each unit of the logarithm by
     # which the views' areas differ: one view alone hides a part of it [1].
-    hidden_share: float = 0.35
+    hidden_share: NotNegative = 0.35
     # Of a hand somewhere at the face, per axis [m].
-    face_m: float = 0.06
+    face_m: AboveZero = 0.06
     # Places before the face, from its middle: sideways and up or down [m]; 0 = its middle alone.
-    face_reach_m: float = 0.05
+    face_reach_m: NotNegative = 0.05
 
     def __post_init__(self) -> None:
-        check_above_zero(OWNER, self, "face_m")
-        check_not_negative(OWNER, self, "hidden_share", "face_reach_m")
+        check_bounds(OWNER, self)
 
 
 @dataclass(frozen=True)
@@ -91,64 +81,45 @@ class CostParameters:
     """Negative log-odds, beside those of a hand seen where it was expected."""
 
     # Deviation of a point from two views' rays [px at 640 columns].
-    epipolar_px: float = 4.0
+    epipolar_px: AboveZero = 4.0
     # Visible area of an open hand [m^2], and the deviations of its logarithm below and above [1].
-    hand_area_m2: float = 0.011
-    log_area_sd: float = 0.55
-    log_area_up_sd: float = 0.35
+    hand_area_m2: AboveZero = 0.011
+    log_area_sd: AboveZero = 0.55
+    log_area_up_sd: AboveZero = 0.35
     # Share of a frame in the learnt area [1].
-    area_memory: float = 0.1
+    area_memory: NotNegative = 0.1
     # Hands that the picture's edge cuts in one view have their depth from the side that is left.
     cut_hands: bool = True
     # Parts of a blob have their depth from the outlines that are their own.
     contours: bool = True
     # A blob like a hand that is nobody's.
-    unexplained: float = 6.0
+    unexplained: NotNegative = 6.0
     # A blob like a hand that only one view shows and is nobody's.
-    unexplained_single: float = 3.0
+    unexplained_single: NotNegative = 3.0
     # A hand that is not seen, in the first such frame and after.
-    miss: float = 9.0
-    stay_hidden: float = 5.0
+    miss: NotNegative = 9.0
+    stay_hidden: NotNegative = 5.0
     # A hand at the face while the head's blob hides it.
-    face: float = 4.0
+    face: NotNegative = 4.0
     # A hand behind the head; 0 = no hand is taken to be there.
-    behind: float = 1.0
+    behind: NotNegative = 1.0
     # Two hands on one blob, undivided.
-    same_blob: float = 4.0
+    same_blob: NotNegative = 4.0
     # A half whose other half is nobody's.
-    lone_half: float = 4.0
+    lone_half: NotNegative = 4.0
     # A split.
-    split: float = 0.0
+    split: NotNegative = 0.0
     # A hand that only one view shows.
-    single_view: float = 3.0
+    single_view: NotNegative = 3.0
     # An end of a bare arm.
-    end: float = 0.0
+    end: NotNegative = 0.0
     # An end of a bare arm that is further away than the other, for each of these lengths [m].
     forward_m: float = 0.04
     # A piece of face or neck.
-    piece: float = 6.0
+    piece: NotNegative = 6.0
 
     def __post_init__(self) -> None:
-        check_above_zero(
-            OWNER, self, "epipolar_px", "hand_area_m2", "log_area_sd", "log_area_up_sd"
-        )
-        check_not_negative(
-            OWNER,
-            self,
-            "area_memory",
-            "unexplained",
-            "unexplained_single",
-            "miss",
-            "stay_hidden",
-            "face",
-            "behind",
-            "same_blob",
-            "lone_half",
-            "split",
-            "single_view",
-            "end",
-            "piece",
-        )
+        check_bounds(OWNER, self)
 
 
 @dataclass(frozen=True)
@@ -156,47 +127,36 @@ class SleeveParameters:
     """The arm that is fitted to the silhouette, and what its evidence is worth."""
 
     # Log-odds per difference of the two sides' scores, 0 = no sleeve evidence; their bound.
-    sleeve_weight: float = 6.0
-    sleeve_clip: float = 3.0
+    sleeve_weight: NotNegative = 6.0
+    sleeve_clip: NotNegative = 3.0
     # Time in which evidence of earlier frames fades to 1/e [s]: successive frames of one merge are
     # not independent.
-    memory_s: float = 1.0
+    memory_s: NotNegative = 1.0
     # Shoulder to elbow, elbow to palm, width of a sleeve [m].
-    upper_arm_m: float = 0.280
-    forearm_m: float = 0.345
-    sleeve_width_m: float = 0.076
+    upper_arm_m: AboveZero = 0.280
+    forearm_m: AboveZero = 0.345
+    sleeve_width_m: AboveZero = 0.076
     # Places of the elbow that are tried, round the line from shoulder to hand.
-    swivels: int = 16
+    swivels: AboveZeroInt = 16
     # Background under the arm counts this much against it [1]; clothes outside the torso count 1.
-    bare_background: float = 1.5
+    bare_background: NotNegative = 1.5
     # Shoulders from the centre of the head's skin, camera axes: to the side, down, away [m].
     side_m: float = 0.175
     down_m: float = 0.165
     back_m: float = 0.06
     # Penalty of an elbow turned inwards or up.
-    inward_penalty: float = 0.15
+    inward_penalty: NotNegative = 0.15
     # Weight of the fingers' direction, which goes on along the forearm.
-    finger_weight: float = 1.2
+    finger_weight: NotNegative = 1.2
     # Share of the vector to a wrist, a thick part of the hand beside the palm, that counts as
     # fingers on the other side [1].
     wrist_share: float = 1.0
 
     # The same length for an end of a bare arm, which points away from the arm's middle [1].
-    bare_arm_fingers: float = 0.25
+    bare_arm_fingers: NotNegative = 0.25
 
     def __post_init__(self) -> None:
-        check_above_zero(OWNER, self, "upper_arm_m", "forearm_m", "sleeve_width_m", "swivels")
-        check_not_negative(
-            OWNER,
-            self,
-            "sleeve_weight",
-            "sleeve_clip",
-            "memory_s",
-            "bare_background",
-            "inward_penalty",
-            "finger_weight",
-            "bare_arm_fingers",
-        )
+        check_bounds(OWNER, self)
 
 
 @dataclass(frozen=True)
@@ -209,11 +169,27 @@ class OffsetParameters:
     # skin is lower, fitted [1].
     crown_share: float = 0.74
     # How much the offsets differ, per axis [m].
-    hand_offset_sd_m: float = 0.004
-    head_offset_sd_m: float = 0.006
+    hand_offset_sd_m: NotNegative = 0.006
+    head_offset_sd_m: NotNegative = 0.006
 
     def __post_init__(self) -> None:
-        check_not_negative(OWNER, self, "hand_offset_sd_m", "head_offset_sd_m")
+        check_bounds(OWNER, self)
+
+
+@dataclass(frozen=True)
+class IdentityParameters:
+    """The doubt of right and left."""
+
+    # Added to the log-odds of the exchanged hypotheses' weight: fitted, so that of the frames with
+    # a stated probability of 20 % about 20 % are exchanged.
+    exchange_log_odds: float = -0.4
+    # Time in which, both hands hidden, it comes to within 1/e of 1/2 [s], 0 = no such doubt.
+    hidden_memory_s: NotNegative = 2.0
+    # Speed at which hidden hands are taken to change places [m/s].
+    hidden_speed_mps: NotNegative = 0.5
+
+    def __post_init__(self) -> None:
+        check_bounds(OWNER, self)
 
 
 @dataclass(frozen=True)
@@ -226,16 +202,16 @@ class HypothesisParameters:
     costs: CostParameters = field(default_factory=CostParameters)
     sleeve: SleeveParameters = field(default_factory=SleeveParameters)
     offsets: OffsetParameters = field(default_factory=OffsetParameters)
+    identity: IdentityParameters = field(default_factory=IdentityParameters)
     # Hypotheses kept.
-    hypotheses: int = 5
+    hypotheses: AboveZeroInt = 5
     # The estimate is the mean of the hypotheses within this of the best [log-odds].
-    mean_within: float = 2.0
+    mean_within: NotNegative = 2.0
     # With a lag: how much the costs of later frames count for an earlier one [1]. They are no
     # independent evidence, and hands that roll round each other move by less than they seem to.
-    later_share: float = 0.1
+    later_share: NotNegative = 0.1
     # A target that is unseen for this time is lost [s].
-    lost_after_s: float = 1.0
+    lost_after_s: AboveZero = 1.0
 
     def __post_init__(self) -> None:
-        check_above_zero(OWNER, self, "hypotheses", "lost_after_s")
-        check_not_negative(OWNER, self, "mean_within", "later_share")
+        check_bounds(OWNER, self)

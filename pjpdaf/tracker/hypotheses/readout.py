@@ -9,6 +9,7 @@ from pjpdaf.interfaces import Estimates
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.head import HeadTrack
 from pjpdaf.tracker.hypotheses.hypothesis import Hypothesis
+from pjpdaf.tracker.hypotheses.identity import either, shifted
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 
 
@@ -19,10 +20,12 @@ def read_out(
     views: Views,
     dt_s: float,
     p: HypothesisParameters,
+    doubt: float = 0.0,
 ) -> Estimates:
     """The mean of the hypotheses near the best, with their spread; status of the best.
 
-    The exchange probability is that of the best against all.
+    The exchange probability is the calibrated weight of the exchanged hypotheses, or else of an
+    exchange while the hands were hidden, whose probability is doubt.
     """
     totals = np.array([h.total for h in hypotheses])
     best = hypotheses[int(totals.argmin())]
@@ -43,7 +46,8 @@ def read_out(
         velocities = (positions - before.positions_m) / dt_s
     unseen = [head.unseen_s, *best.unseen_s.tolist()]
     status = tuple(_status(seconds, p.lost_after_s) for seconds in unseen)
-    exchanged = exchange_probability(hypotheses)
+    weight = exchange_probability(hypotheses)
+    exchanged = either(shifted(weight, p.identity.exchange_log_odds), doubt)
     return Estimates(positions, covariances, velocities, status, exchanged)
 
 

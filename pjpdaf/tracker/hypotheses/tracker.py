@@ -31,6 +31,7 @@ from pjpdaf.tracker.hypotheses.hypothesis import (
     grow,
     nearest_choices,
 )
+from pjpdaf.tracker.hypotheses.identity import hidden_doubt
 from pjpdaf.tracker.hypotheses.lag import Past, look_back
 from pjpdaf.tracker.hypotheses.motion import spread
 from pjpdaf.tracker.hypotheses.opening import open_tracks
@@ -57,7 +58,7 @@ class HypothesisState:
 
     hypotheses: from the likeliest; estimates: the latest; hand_area_m2: of a whole hand, learnt;
     longest_m: mean length of the longer hand's blob, which tells bare forearms; dt_s: time since
-    the state before.
+    the state before; doubt: that the hands changed places while both were hidden.
     """
 
     head: HeadTrack
@@ -66,6 +67,7 @@ class HypothesisState:
     hand_area_m2: float
     longest_m: float
     dt_s: float = 0.0
+    doubt: float = 0.0
 
 
 @final
@@ -168,7 +170,9 @@ class HypothesisTracker:
         if known_m is not None:
             only = nearest_choices(sightings, known_m[1:], state.hypotheses[0].means)
         grown, chosen = grow(state.hypotheses, sightings, dt_s, p, only)
-        estimates = read_out(head, grown, state.estimates, self.views, dt_s, p)
+        side = _side_of(sightings, chosen)
+        doubt = hidden_doubt(state.doubt, grown[0], side, dt_s, p.identity)
+        estimates = read_out(head, grown, state.estimates, self.views, dt_s, p, doubt)
         after = HypothesisState(
             head,
             grown,
@@ -176,6 +180,7 @@ class HypothesisTracker:
             _learnt_area(state.hand_area_m2, pairs, list(chosen), p),
             self._longest(state, seen, places, dt_s),
             dt_s,
+            doubt,
         )
         return after, estimates
 
@@ -202,7 +207,8 @@ class HypothesisTracker:
     def smoothed(self, states: tuple[HypothesisState, ...], /) -> Estimates:
         """Return the estimates of the first state in the knowledge of the later ones."""
         past = [Past(s.head, s.hypotheses, s.dt_s) for s in states]
-        return look_back(past, states[0].estimates, self.views, self.parameters)
+        first = states[0]
+        return look_back(past, first.estimates, self.views, self.parameters, first.doubt)
 
     def _pairs(
         self,
@@ -258,6 +264,12 @@ class HypothesisTracker:
         longest = max((length for length in lengths if length < LONGEST_M), default=state.longest_m)
         share = 1.0 - float(np.exp(-dt_s / LENGTH_MEMORY_S))
         return state.longest_m + share * (longest - state.longest_m)
+
+
+def _side_of(seen: Sightings, chosen: tuple[int, int]) -> float:
+    """Log-odds that the chosen (right, left) are the right way round; 0 of an unseen hand."""
+    right, left = (float(seen.odds[k]) if k < len(seen.odds) else 0.0 for k in chosen)
+    return right - left
 
 
 def _learnt_area(area_m2: float, pairs: Pairs, chosen: list[int], p: HypothesisParameters) -> float:

@@ -23,19 +23,25 @@ def footage(count, moving=True):
 
 @pytest.mark.parametrize("total", [40, None, 400])
 def test_what_moves_is_not_background(total):
-    learnt, still = usual_frames(footage(40 if total != 400 else 200), total)
+    learnt, parts = usual_frames(footage(40 if total != 400 else 200), total)
     assert len(learnt) == LEARNT
     for view in (0, 1):
         pictures = np.stack([frame.pictures[view] for frame in learnt]).astype(float)
         assert np.abs(pictures.mean(axis=0) - WALL).max() < 10  # the wall is 60 from skin
         assert 0.5 < pictures.std(axis=0).mean() < 3  # of the noise, which has 2
-    assert still == 0.0
+    assert parts == 0
 
 
-def test_what_rests_is_learnt_and_said():
-    learnt, still = usual_frames(footage(40, moving=False), 40)
-    assert still > 0.9
-    assert np.abs(learnt[0].pictures[0][15, 25].astype(int) - SKIN).max() < 8
+def test_a_head_that_rests_is_no_background_but_a_wall_is(monkeypatch):
+    monkeypatch.setattr("scenarios.footage.usual_scene.HEAD_SHARE", 0.2)  # of 60 x 40 pixels
+    learnt, parts = usual_frames(footage(40, moving=False), 40)
+    assert parts == 2  # in both views
+    assert np.abs(learnt[0].pictures[0][15, 25].astype(int) - SKIN).min() > 15
+    assert np.abs(learnt[0].pictures[0][35, 5].astype(int) - WALL).max() < 10
+    monkeypatch.setattr("scenarios.footage.usual_scene.HEAD_SHARE", 0.02)
+    learnt, parts = usual_frames(footage(40, moving=False), 40)
+    assert parts == 0
+    assert np.abs(learnt[0].pictures[0][15, 25].astype(int) - SKIN).max() < 10
 
 
 def test_too_short_footage():
