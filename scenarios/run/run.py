@@ -34,7 +34,7 @@ from scenarios.run.corpus_verdict import (
     refuse_regressions,
     verdict_lines,
 )
-from scenarios.run.request import REQUEST, RunRequest, read_request
+from scenarios.run.request import REQUEST, RunRequest, read_request, resume_command
 from scenarios.run.save_run import save_run
 from scenarios.run.unfinished import UnfinishedRun, reserved, unfinished_run
 
@@ -112,7 +112,7 @@ def _play_and_save(
     if saved.meta["complete"]:
         run.discard()
     if arrived.arrived:
-        remedy = f"; `pjpdaf-bench run --resume {run.shown}` goes on" if played.interrupted else ""
+        remedy = f"; `{resume_command(run.shown, request)}` goes on" if played.interrupted else ""
         raise Interrupted(
             f"interrupted: {len(played.rows)} of {len(run.jobs)} episodes are in the saved run"
             f"{remedy}"

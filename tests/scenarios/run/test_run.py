@@ -159,7 +159,8 @@ def test_an_interrupted_run_keeps_what_is_finished(tmp_path, footage, number, se
     assert process.returncode == 130, said
     assert_two_episodes_are_saved(tmp_path / "r")
     assert "interrupted: 2 of 4 episodes are in the saved run" in said
-    assert "`pjpdaf-bench run --resume r` goes on" in said
+    command = "pjpdaf-bench run --resume r --tracker waiting_plug_in:Waits"
+    assert f"`{command}` goes on" in said
     assert (tmp_path / "r.part" / "request.json").is_file()
     assert (tmp_path / "r" / "report.html").is_file()
 
