@@ -152,7 +152,7 @@ def table(title: str, base: Variant, others: tuple[Variant, ...], found: list[Re
         lambda some, is_base: share(some) if is_base else change(some, of_base),
     )
     rows(
-        f"{title}: median of the hands, mm; episodes swapped, lost",
+        f"{title}: median of head / hands, mm; episodes swapped, lost",
         lambda some, is_base: outcome(some),
     )
 
