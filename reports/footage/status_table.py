@@ -9,25 +9,27 @@ from rich.table import Table
 from pjpdaf.interfaces import STATUSES
 from reports.footage.stated import SURE_M
 from reports.footage.track_record import TrackRecord
-from reports.summary.text import LABELS, count, percent
+from reports.summary.text import LABELS, percent
 
 
 def status_table(record: TrackRecord) -> Table:
     """A row per target: shares of each status, gaps, stated standard deviations."""
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column("target")
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    table.add_column("target", no_wrap=True)
     for status in STATUSES[1:]:
-        table.add_column(status, justify="right")
-    for heading in ("waiting", "longest\ngap", "stated sd mm\nmedian, 90 %"):
-        table.add_column(heading, justify="right")
-    table.add_column(f"sd to\n{1000 * SURE_M:.0f} mm", justify="right")
+        table.add_column(status, justify="right", no_wrap=True)
+    most = f"{1000 * SURE_M:.0f} mm"
+    headings = ("waiting\nframes", "longest\ngap", "sd mm\nmedian", "sd mm\n90 %", f"sd to\n{most}")
+    for heading in headings:
+        table.add_column(heading, justify="right", no_wrap=True)
     for summary in record.summaries():
         stated = summary.stated
-        sd = ", ".join(
-            "-" if np.isnan(v) else f"{v:.0f}" for v in (stated.median_mm, stated.p90_mm)
+        table.add_row(
+            LABELS[summary.target],
+            *(f"{100 * summary.shares[status]:.1f} %" for status in STATUSES[1:]),
+            str(summary.frames["waiting"]),
+            f"{summary.longest_gap_s:.1f} s",
+            *("-" if np.isnan(v) else f"{v:.0f}" for v in (stated.median_mm, stated.p90_mm)),
+            percent(stated.sure),
         )
-        shares = [f"{100 * summary.shares[status]:.1f} %" for status in STATUSES[1:]]
-        waiting = count(summary.frames["waiting"], "frame")
-        gap = f"{summary.longest_gap_s:.1f} s"
-        table.add_row(LABELS[summary.target], *shares, waiting, gap, sd, percent(stated.sure))
     return table

@@ -23,7 +23,7 @@ class RunEntry:
 
     key: of its data in the page; run: its name, "" where there is one run; flags: its kinds of
     failure; went_wrong: it belongs among the failures; worst_frame: that of the largest error;
-    data: packed for the player.
+    data: packed for the player; command: plays it again, "" where the page does not say.
     """
 
     key: str
@@ -39,6 +39,7 @@ class RunEntry:
     data: str
     film: PackedFilm | None
     pictures: tuple[EnlargedPicture, ...]
+    command: str = ""
 
     @property
     def film_text(self) -> str:

@@ -14,6 +14,7 @@ from reports.page.run_entries import RunEntry, run_entries
 from reports.page.templating import asset, rendered, script, write_text
 from reports.run.load import SavedRun, read_film
 from reports.stress.load import StressFolder, load_stress
+from reports.stress.records import CellRecord, FailureRecord
 from reports.stress.sections import (
     FailureCard,
     PlayedFolder,
@@ -97,7 +98,11 @@ def _played(
     tables = [{(e.scenario, e.seed): e for e in episode_tables(run)} for run in runs]
     names = list(dict.fromkeys(label for episodes in tables for label, _ in episodes))
     entries = run_entries(runs, tables, names) if runs else ()
-    entries = tuple(replace(entry, run="") for entry in entries)
+    replays = _replays(folders)
+    entries = tuple(
+        replace(entry, run="", command=replays.get((entry.scenario, entry.seed), ""))
+        for entry in entries
+    )
     by_key = {entry.key: entry for entry in entries}
     played, number = [], 0
     for folder in folders:
@@ -112,11 +117,27 @@ def _played(
         number += 1
     families: dict[str, list[RunEntry]] = {}
     for entry in entries:
-        families.setdefault(entry.scenario.partition(":")[0], []).append(entry)
+        family, colon, _ = entry.scenario.partition(":")
+        families.setdefault(family if colon else "failures", []).append(entry)
     sections = [PlayerSection(name, tuple(group)) for name, group in families.items()]
     kept = sum(bool(film["whole"]) for run in runs for film in run.meta["films"])
     shown = sum(e.film is not None and e.film.whole for e in entries)
     return played, entries, sections, kept - shown
+
+
+def _replays(folders: Sequence[StressFolder]) -> dict[tuple[str, int], str]:
+    """The command that plays an episode again, by its label and seed."""
+    records: list[FailureRecord | CellRecord] = []
+    for folder in folders:
+        if folder.search is not None:
+            records += [f for search in folder.search.searches for f in search.failures]
+        if folder.map is not None:
+            records += [cell for mapped in folder.map.maps for cell in mapped.cells]
+    return {
+        (record.episode.label, record.episode.seed): record.command
+        for record in records
+        if record.episode is not None
+    }
 
 
 def _films(run: SavedRun) -> dict[tuple[str, int], dict[int, bytes]]:

@@ -103,7 +103,7 @@ class SearchRecord(Record):
 class CellRecord(Record):
     """A cell of a map: ends along x and y as shares of their axes, failures of n trials by goal.
 
-    case: the trial that stands for it; episode: where it is kept.
+    case: the trial that stands for it; episode: where it is kept; command: plays it again.
     """
 
     x: tuple[Share, Share]
@@ -112,6 +112,7 @@ class CellRecord(Record):
     failures: dict[Goal, Count]
     case: CaseRecord
     episode: EpisodeKey | None = None
+    command: str = ""
 
 
 class OccludedRecord(Record):

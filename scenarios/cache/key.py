@@ -9,11 +9,15 @@ import json
 import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from scenarios.cache.sources import simulator_digest
 from scenarios.spec.names import load_scenario
 from scenarios.spec.scenario import digest
 
+# Where a processor has both, the software renderer's pixels are the same; elsewhere they are not.
+EXTENSIONS = ("avx2", "fma")
+CPU_INFO = Path("/proc/cpuinfo")
 LIBRARIES = ("mujoco", "numpy", "opencv-python-headless", "scipy", "PyOpenGL")
 
 
@@ -41,9 +45,21 @@ def footage_key(episode_digest: str, twins: Sequence[str]) -> FootageKey:
             "twins": {name: digest(load_scenario(name)) for name in twins},
             "simulator": simulator_digest(),
             "libraries": dict(library_versions()),
-            "machine": f"{platform.system()} {platform.machine()}",
+            "machine": machine(),
         }
     )
+
+
+@functools.cache
+def machine() -> str:
+    """System, kind of processor, and those of its extensions on which pixels depend."""
+    words = [platform.system(), platform.machine()]
+    try:
+        lines = CPU_INFO.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError):
+        lines = []
+    flags = next((line.split() for line in lines if line.startswith("flags")), [])
+    return " ".join([*words, *(name for name in EXTENSIONS if name in flags)])
 
 
 @functools.cache

@@ -23,7 +23,7 @@ LINKER_LISTS = (Path("/etc/ld.so.cache"), Path("/usr/share/glvnd/egl_vendor.d"))
 BOOT_ID = Path("/proc/sys/kernel/random/boot_id")
 # Not PYOPENGL_PLATFORM: MuJoCo overwrites it.
 VARIABLES = (
-    *("MUJOCO_EGL_", "LIBGL_", "MESA_", "GALLIUM_", "EGL_", "__EGL_", "__GL", "DRI_"),
+    *("MUJOCO_EGL_", "LIBGL_", "MESA_", "GALLIUM_", "EGL_", "__EGL_", "__GL", "DRI_", "LP_NATIVE_"),
     *("LD_", "DISPLAY", "WAYLAND_", "CUDA_VISIBLE_", "NVIDIA_"),
 )
 

@@ -146,7 +146,8 @@ def report(
 ) -> None:
     """Make the report page of a saved run again, or one page of several side by side.
 
-    With --rerun a new file with cameras, films, paths, errors and events instead, to be opened with
+    Folders of `stress` search, map, estimate and compare go together on one stress page. With
+    --rerun a new file with cameras, films, paths, errors and events instead, to be opened with
     `rerun FILE.rrd`; needs the extra `viz`.
     """
     if rerun is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -12,7 +12,7 @@ from reports.run.films import films_to_keep
 from reports.run.rows import EpisodeRows, rows_of
 from reports.score.records import EpisodeFailure, FailureKind
 from scenarios.execute.executor import Executor
-from scenarios.play.footage import is_cached
+from scenarios.play.footage import is_cached, remembered_renderer
 from scenarios.play.job import Job, digest_of
 from scenarios.play.play import play_complete
 from sim.contact.contact import Unposable
@@ -71,12 +71,11 @@ def play_all(
     renderer = ""
     try:
         tasks = {index: job for index, job in enumerate(jobs) if index not in results}
-        if not all(job.kept is not None or is_cached(job) for job in tasks.values()):
-            renderer = _renderer_of(executor, jobs)
-            for index, row in finished.items():
-                if row.renderer not in ("", renderer) and renderer:
-                    tasks[index] = jobs[index]
-                    del results[index]
+        renderer = _renderer_here(executor, tasks.values())
+        for index, row in finished.items():
+            if renderer and row.renderer not in ("", renderer):
+                tasks[index] = jobs[index]
+                del results[index]
         for indexed in executor.outcomes(_play_safely, tasks, time_limit_s):
             if indexed is None:
                 continue
@@ -92,15 +91,19 @@ def play_all(
     return PlayResults(rows, interrupted, drawn_by or renderer)
 
 
-def _renderer_of(executor: Executor, jobs: Sequence[Job]) -> str:
-    """The renderer of the executor's processes.
+def _renderer_here(executor: Executor, jobs: Collection[Job]) -> str:
+    """The renderer that draws these jobs, or drew them; "" where nothing says.
 
-    Raises InfrastructureError without OpenGL, unless pictures of every job are in the cache.
+    The executor's processes are asked where a job is to be rendered. Raises InfrastructureError
+    without OpenGL, unless pictures of every job are in the cache.
     """
+    drawn = [job for job in jobs if job.kept is None]
+    if all(is_cached(job) for job in drawn):
+        return next(filter(None, map(remembered_renderer, drawn)), "")
     try:
         return executor.renderer()
     except InfrastructureError:
-        if all(job.kept is not None or is_cached(job, anyhow=True) for job in jobs):
+        if all(is_cached(job, anyhow=True) for job in drawn):
             return ""
         raise
 

@@ -18,20 +18,20 @@ from scenarios.play.recipe import sized
 from scenarios.spec.draw import concrete, unjudged
 from sim.silhouettes import blobs_with_looks, skin_blobs
 from sim.silhouettes.blobs_with_looks import BlobsWithLooks
-from sim.silhouettes.error_model import BlobErrors, error_model
+from sim.silhouettes.error_model import BlobErrors, ErrorModel, error_model
 from sim.silhouettes.film import film_of
 from sim.silhouettes.painter import Painter
 from sim.silhouettes.skin_blobs import SkinBlobs
 from sim.silhouettes.truths import Truths
 
 
-def play_fast(job: Job, redraw: int = 0) -> Episode:
+def play_fast(job: Job, redraw: int = 0, errors: ErrorModel | None = None) -> Episode:
     """Play a job with painted silhouettes: same motion, cameras and tracker; the bare episode.
 
     The draw is not judged (`scenarios.spec.draw.fault_of_draw`); redraw: as in
-    `scenarios.spec.draw.concrete`. The detector's stages after segmentation are its own, its
-    errors are those of a model (docs/stress_fast.md). Raises BenchError for a detector of
-    other kinds than the presets', for a stored sequence or a table of detections.
+    `scenarios.spec.draw.concrete`. The detector's stages after segmentation are its own; its noise
+    is that of a model (docs/stress_fast.md), errors: of another model. Raises BenchError for a
+    detector of other kinds than the presets', for a stored sequence or a table of detections.
     """
     if job.kept is not None or job.detections is not None:
         raise BenchError("fast plays scenarios, not stored sequences or tables of detections")
@@ -39,11 +39,11 @@ def play_fast(job: Job, redraw: int = 0) -> Episode:
     step_px, everything = _painting(job.system)
     film = film_of(performance, step_px, everything)
     detector, tracker = make_system(job.system, film.calibration)
-    painter = Painter(film)
-    stand_in = _stand_in(job.system.detector, detector, painter)
+    painter = Painter(film, kept=job.system.lag + 1)
+    stand_in = _stand_in(detector, painter, errors or error_model(job.system.detector))
     truths = Truths(film)
     outcomes = []
-    for step in follow(film.frames(), stand_in, tracker):
+    for step in follow(film.frames(), stand_in, tracker, job.system.lag):
         truth = truths.of(step.frame.index, painter.paint(step.frame.index))
         stages_s = {"render": step.render_s, "detect": step.detect_s, "track": step.track_s}
         outcomes.append(FrameOutcome(truth, step.estimates, _slim(step.detections), stages_s))
@@ -73,11 +73,11 @@ def _painting(system: System) -> tuple[int, bool]:
     return skin_blobs.STEP_PX, False
 
 
-def _stand_in(name: str, detector: Detector, painter: Painter) -> Detector:
+def _stand_in(detector: Detector, painter: Painter, model: ErrorModel) -> Detector:
     film = painter.film
     views = len(film.outlines)
     width_px, seed = film.rig.left.width_px, film.performance.seed
-    errors = BlobErrors(error_model(name), film.frame_count, views, width_px, seed)
+    errors = BlobErrors(model, film.frame_count, views, width_px, seed)
     if isinstance(detector, SkinDetector):
         return SkinBlobs(film.calibration.cameras, detector.parameters, painter, errors)
     assert isinstance(detector, BlobDetector)

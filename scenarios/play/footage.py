@@ -121,6 +121,12 @@ def is_cached(job: Job, *, anyhow: bool = False) -> bool:
     return (renderer is not None or anyhow) and cache.find(key_of(job), renderer) is not None
 
 
+def remembered_renderer(job: Job) -> str:
+    """The renderer of a job's cached pictures, "" where it is not remembered."""
+    cache = footage_cache(job)
+    return "" if cache is None else known_renderer(cache.settings.folder) or ""
+
+
 def renderer_here(folder: Path) -> str | None:
     """The renderer that would draw here; None without OpenGL: then that of any entry will do."""
     return known_renderer(folder) or asked_renderer(folder)

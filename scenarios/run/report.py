@@ -1,4 +1,4 @@
-"""The verb `report`: the page of saved runs once more."""
+"""The verb `report`: the page of saved runs, or of stress runs, once more."""
 
 from __future__ import annotations
 
@@ -8,15 +8,26 @@ from pathlib import Path
 from pjpdaf.errors import BenchError
 from reports.page.page import write_page
 from reports.run.load import load
+from reports.stress.load import is_stress_folder
+from reports.stress.page import write_stress_page
 
 
 def remake_report(run_folders: Sequence[Path], out: Path | None) -> Path:
     """Write the page of one run, or of several side by side; its path.
 
-    out: the file; None, of a single run: its report.html. Raises BenchError.
+    Folders of stress runs give one stress page. out: the file; None, of a single run: its
+    report.html (stress.html). Raises BenchError.
     """
     if out is None and len(run_folders) > 1:
         raise BenchError("a page of several runs is in none of them: give --out FILE.html")
+    stressed = [is_stress_folder(folder) for folder in run_folders]
+    if all(stressed):
+        return write_stress_page(run_folders, out or run_folders[0] / "stress.html")
+    if any(stressed):
+        raise BenchError(
+            f"{run_folders[stressed.index(True)]}: is a stress run, which no page shows beside "
+            "runs of other verbs"
+        )
     saved = [load(folder) for folder in run_folders]
     for run in saved:
         if run.slim:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -57,17 +58,30 @@ def read_request(path: Path, detector: str | None = None, tracker: str | None = 
         first = fault.errors()[0]
         at = ".".join(map(str, first["loc"]))
         raise BenchError(f"{path}: is damaged: {at}: {first['msg']}") from None
-    wanted = request.plan
-    for kind, named, given in (
-        ("detector", wanted.detector, detector),
-        ("tracker", wanted.tracker, tracker),
-    ):
-        if kind == "detector" and wanted.detections is not None:
-            named = given or ""  # detections from files: no code, whatever its name
-        if given is None and named not in PRESETS and named:
+    given = {"detector": detector, "tracker": tracker}
+    plug_ins = named_plug_ins(request)
+    for kind, name in {"detector": request.plan.detector, "tracker": request.plan.tracker}.items():
+        if given[kind] is None and kind in plug_ins:
             raise BenchError(
-                f"{path.parent}: was begun with --{kind} {named}; give that again, as it is code"
+                f"{path.parent}: was begun with --{kind} {name}; give that again, as it is code"
             )
-        if given is not None and given != named:
-            raise BenchError(f"{path.parent}: was begun with --{kind} {named}, got {given}")
+        if given[kind] not in (None, name):
+            raise BenchError(f"{path.parent}: was begun with --{kind} {name}, got {given[kind]}")
     return request
+
+
+def named_plug_ins(request: RunRequest) -> dict[str, str]:
+    """Detector and tracker of a request that are a user's code, by "detector" and "tracker"."""
+    wanted = request.plan
+    named = {"tracker": wanted.tracker}
+    if wanted.detections is None:  # else the detector is the name of a file
+        named["detector"] = wanted.detector
+    return {kind: name for kind, name in named.items() if name not in PRESETS}
+
+
+def resume_command(folder: Path, request: RunRequest) -> str:
+    """The command line that goes on with the unfinished run of a folder."""
+    words = ["pjpdaf-bench", "run", "--resume", str(folder)]
+    for kind, name in sorted(named_plug_ins(request).items()):
+        words += [f"--{kind}", name]
+    return shlex.join(words)

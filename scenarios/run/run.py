@@ -34,7 +34,7 @@ from scenarios.run.corpus_verdict import (
     refuse_regressions,
     verdict_lines,
 )
-from scenarios.run.request import REQUEST, RunRequest, read_request
+from scenarios.run.request import REQUEST, RunRequest, read_request, resume_command
 from scenarios.run.save_run import save_run
 from scenarios.run.unfinished import UnfinishedRun, reserved, unfinished_run
 
@@ -106,13 +106,16 @@ def _play_and_save(
         )
         if not request.slim:
             write_page([saved], run.staged / "report.html")
-    run.publish(complete=saved.meta["complete"])
+    run.publish()
     corpus = outcomes_of(request.plan.targets, run.jobs, played.rows)
     _print_results(request, run, played, saved, corpus, wall_s, workers)
+    if saved.meta["complete"]:
+        run.discard()
     if arrived.arrived:
+        remedy = f"; `{resume_command(run.shown, request)}` goes on" if played.interrupted else ""
         raise Interrupted(
-            f"interrupted: {len(played.rows)} of {len(run.jobs)} episodes are in the saved run; "
-            f"`pjpdaf-bench run --resume {run.shown}` goes on"
+            f"interrupted: {len(played.rows)} of {len(run.jobs)} episodes are in the saved run"
+            f"{remedy}"
         )
     refuse_failures(played)
     refuse_regressions(corpus)

@@ -72,13 +72,18 @@ class UnfinishedRun:
                 f"{fault} What is finished is kept in {self.part.name}; the same command goes on."
             ) from fault
 
-    def publish(self, *, complete: bool) -> None:
-        """Give the staged run its name. complete: what is unfinished of it is removed."""
+    def publish(self) -> None:
+        """Give the staged run its name. Raises BenchError of the disk."""
         with self.kept_after_faults(), disk_faults(self.folder, "the run"):
             check_free(self.folder, force=True)
             publish(self.staged, self.folder)
-        if complete:
-            shutil.rmtree(self.part, ignore_errors=True)
+
+    def discard(self) -> None:
+        """Remove what is unfinished: the run is complete."""
+        _remove_all_but_journal(self.part, REQUEST)
+        with suppress(OSError):
+            (self.part / journal.FILE).unlink()  # last: while it is there, the same command goes on
+            self.part.rmdir()
 
 
 @contextmanager
@@ -132,10 +137,10 @@ def _finished_rows(journal: Journal, jobs: Sequence[Job]) -> dict[int, EpisodeRo
     return rows
 
 
-def _remove_all_but_journal(part: Path) -> None:
-    """Remove a half-saved run of a process that was killed."""
+def _remove_all_but_journal(part: Path, *others: str) -> None:
+    """Remove a half-saved run of a process that was killed; others: names of more to remove."""
     for path in part.iterdir():
-        if path.name in (journal.FILE, REQUEST):
+        if path.name in {journal.FILE, REQUEST} - {*others}:
             continue
         if path.is_dir():
             shutil.rmtree(path, ignore_errors=True)

@@ -138,7 +138,7 @@ def _mapped(campaign: Campaign, space: Space, plan: MapPlan, system: System) -> 
     campaign.progress.start(f"{space.family.name}: map of {system_text(system)}")
     even = replace(plan, refine=0)
     cells, runs = explore(space, even, lambda cases: _run(campaign, cases, system))
-    return map_record(space, even, campaign.fidelity, cells, runs, {}, "")
+    return map_record(space, even, campaign.fidelity, cells, runs, {}, {}, "")
 
 
 def _run(campaign: Campaign, cases: Sequence[Case], system: System) -> list[TrialResult]:

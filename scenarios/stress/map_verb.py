@@ -19,7 +19,7 @@ from scenarios.stress.map.explore import MapPlan, PlayedCell, axes_of, check_run
 from scenarios.stress.map.record import map_record
 from scenarios.stress.recording import Shown, record_episodes
 from scenarios.stress.space import Space
-from scenarios.stress.system_text import command_text, system_text
+from scenarios.stress.system_text import command_text, replay_command, system_text
 
 MOST_EPISODES = 400
 
@@ -110,14 +110,16 @@ def _mapped(campaign: Campaign, space: Space, request: MapRequest) -> tuple[MapR
     cells, runs = explore(space, plan, evaluate)
     shown: list[Shown] = []
     keys: dict[int, EpisodeKey] = {}
+    commands: dict[int, str] = {}
     for place in _chosen(cells, plan, request.episodes):
         case = cells[place].cases[cells[place].shown(plan.goal)]
         words = " ".join(f"{n} {case.values[n]}" for n in (plan.x, plan.y) if n is not None)
         trial = Trial(case, campaign.system, campaign.fidelity)
         shown.append(Shown(f"{name}: {words}", trial))
         keys[place] = shown[-1].key
+        commands[place] = replay_command(case, campaign.system)
     record = map_record(
-        space, plan, campaign.fidelity, cells, runs, keys, command_text(request.argv)
+        space, plan, campaign.fidelity, cells, runs, keys, commands, command_text(request.argv)
     )
     return record, shown
 

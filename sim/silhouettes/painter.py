@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.silhouettes.film import Film
-from sim.silhouettes.outlines import paint
+from sim.silhouettes.outlines import Outlines, paint
 from sim.silhouettes.patches import Patches, patch_of
 
 
@@ -23,25 +23,27 @@ class PaintedView(NamedTuple):
 
 
 class Painter:
-    """Paints frames of a film; the last one is kept."""
+    """Paints frames of a film; the last `kept` frames are not painted twice."""
 
-    def __init__(self, film: Film) -> None:
+    def __init__(self, film: Film, kept: int = 1) -> None:
         self.film = film
-        self._last: tuple[int, tuple[PaintedView, ...]] = (-1, ())
+        self._kept = kept
+        self._painted: dict[int, tuple[PaintedView, ...]] = {}
 
     def paint(self, frame: int) -> tuple[PaintedView, ...]:
         """The views of a frame; not to be written to."""
-        if self._last[0] != frame:
-            views = []
-            for outlines in self.film.outlines:
-                canvas = np.zeros(outlines.size, np.uint8)
-                paint(outlines, frame, canvas)
-                patches = tuple(
-                    patch_of(canvas, target, box, covered)
-                    for target, (box, covered) in enumerate(
-                        zip(outlines.target_boxes[frame], outlines.covered[frame], strict=True)
-                    )
-                )
-                views.append(PaintedView(canvas, outlines.step_px, patches))
-            self._last = frame, tuple(views)
-        return self._last[1]
+        if frame not in self._painted:
+            while len(self._painted) >= self._kept:
+                self._painted.pop(next(iter(self._painted)))
+            self._painted[frame] = tuple(
+                _painted(outlines, frame) for outlines in self.film.outlines
+            )
+        return self._painted[frame]
+
+
+def _painted(outlines: Outlines, frame: int) -> PaintedView:
+    canvas = np.zeros(outlines.size, np.uint8)
+    paint(outlines, frame, canvas)
+    boxes = zip(outlines.target_boxes[frame], outlines.covered[frame], strict=True)
+    patches = (patch_of(canvas, t, box, covered) for t, (box, covered) in enumerate(boxes))
+    return PaintedView(canvas, outlines.step_px, tuple(patches))

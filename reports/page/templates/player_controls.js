@@ -42,6 +42,7 @@ async function load(key, frame) {
   slider.max = String(ep.frames.length - 1);
   const option = picker.selectedOptions[0];
   part("facts").textContent = option ? option.dataset.facts : "";
+  if (part("command")) part("command").textContent = option?.dataset.command ?? "";
   const events = part("events");
   events.replaceChildren(...ep.events.map((event) => {
     const button = document.createElement("button");

@@ -86,7 +86,7 @@ function drawCurves(ep, i) {
     y += LANE;
   }
   if (doubt) {
-    ctx.fillStyle = ink.soft; ctx.textAlign = "left"; ctx.fillText("exchanged?", 2, y + 11);
+    ctx.fillStyle = ink.soft; ctx.textAlign = "left"; ctx.fillText("exchange", 2, y + 11);
     ctx.fillStyle = ink.accent;
     for (let f = 0; f < n; f++) {
       const p = ep.exchange[f], from = Math.max(92, x(f) - half);

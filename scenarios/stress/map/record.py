@@ -29,9 +29,12 @@ def map_record(
     cells: Sequence[PlayedCell],
     runs: int,
     episodes: Mapping[int, EpisodeKey],
+    commands: Mapping[int, str],
     command: str,
 ) -> MapRecord:
-    """The record of a map. episodes: of the cells, by their place."""
+    """The record of a map. episodes, commands: where the shown trials of cells
+    are kept and what plays them again, by the cells' places.
+    """
     x, y = axes_of(space, plan)
     results = [result for cell in cells for result in cell.results]
     return MapRecord(
@@ -53,6 +56,7 @@ def map_record(
                 failures={goal: cell.failures(goal) for goal in GOALS},
                 case=case_record(cell.cases[cell.shown(plan.goal)]),
                 episode=episodes.get(place),
+                command=commands.get(place, ""),
             )
             for place, cell in enumerate(cells)
         ),

@@ -58,6 +58,7 @@ def failure_map(key: r.EpisodeKey, *, steps: int = 5, worse: int = 0) -> r.MapRe
                             failures={"swap": hits, "head": 0, "lost": hits // 2},
                             case=case(0.2, i),
                             episode=key if i == steps - 1 else None,
+                            command="pjpdaf-bench stress cross replay --seed 4",
                         )
                     )
     return r.MapRecord(

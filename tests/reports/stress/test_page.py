@@ -9,6 +9,7 @@ import pytest
 
 from pjpdaf.errors import BenchError
 from reports.stress.page import write_stress_page
+from scenarios.run.report import remake_report
 
 HOSTILE = '<script>alert("x")</script>'
 
@@ -86,3 +87,15 @@ def test_a_click_on_a_cell_and_on_a_strip_plays_the_episode(page, opened) -> Non
 def test_nothing_is_wider_than_the_screen(page, opened, width: int) -> None:
     with opened(page, "html[data-thumbs=yes]", viewport={"width": width, "height": 900}) as view:
         assert view.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_several_folders_go_on_one_page(stress_folder, tmp_path) -> None:
+    other = tmp_path / "other"
+    other.mkdir()
+    text = (stress_folder / "estimate.json").read_text(encoding="utf-8")
+    (other / "estimate.json").write_text(text.replace('"system": "thesis"', '"system": "default"'))
+    page = remake_report([stress_folder, other], tmp_path / "both.html")
+    heads = re.findall(r"P\((?:swap|lost)\)<br>\w+", page.read_text(encoding="utf-8"))
+    assert heads == [f"P({g})<br>{s}" for s in ("thesis", "default") for g in ("swap", "lost")]
+    with pytest.raises(BenchError, match="no page shows beside runs of other verbs"):
+        remake_report([stress_folder / "episodes", stress_folder], tmp_path / "mixed.html")

@@ -84,7 +84,18 @@ def test_another_library_counts(monkeypatch, library):
     assert key_of(JOB).digest == before.digest
 
 
-def test_another_machine_counts(monkeypatch):
+def test_another_machine_counts(monkeypatch, tmp_path):
     before = key_of(JOB)
+    info = tmp_path / "cpuinfo"
+    info.write_text("processor : 0\nflags : fpu avx2 fma sse\n")
+    monkeypatch.setattr(keys, "CPU_INFO", info)
+    named = [keys.machine.__wrapped__()]
+    info.write_text("processor : 0\nflags : fpu sse\n")
+    named.append(keys.machine.__wrapped__())
     monkeypatch.setattr(keys.platform, "machine", lambda: "another")
-    assert key_of(JOB).digest != before.digest
+    named.append(keys.machine.__wrapped__())
+    assert named[0] == f"{named[1]} avx2 fma"
+    assert len({*named}) == 3
+    for name in named:
+        monkeypatch.setattr(keys, "machine", lambda name=name: name)
+        assert (key_of(JOB).digest == before.digest) == (name == before.record["machine"])

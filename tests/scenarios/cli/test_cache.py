@@ -1,11 +1,20 @@
 """`run` with and without the cache, and the verbs of `cache`."""
 
+from dataclasses import replace
+from pathlib import Path
+
+import pandas as pd
 import pytest
 from commands import assert_one_line, in_this_process
 
-from scenarios.cache.settings import FOLDER_VARIABLE
-
-RUN = ("run", "calm_table", "--seeds", "1", "--set", "frames=2", "--jobs", "1", "--slim")
+from reports.run.load import load
+from reports.run.rows import rows_of
+from reports.run.tables import tables_of
+from reports.score.records import EpisodeFailure
+from scenarios.cache.report import origin_line
+from scenarios.cache.settings import FOLDER_VARIABLE, CacheSettings
+from scenarios.play.plan import PlanRequest, plan
+from scenarios.play.play import play_complete
 
 
 @pytest.fixture
@@ -14,24 +23,18 @@ def folder(tmp_path, monkeypatch):
     return tmp_path / "cache"
 
 
-def footage_line(done):
+def test_a_run_plays_what_is_kept_and_says_so(tmp_path, folder):
+    request = PlanRequest(("calm_table",), seeds=1, settings=("frames=2",))
+    (job,) = plan(request)
+    rendered = rows_of(play_complete(job))
+    words = ("--seeds", "1", "--set", "frames=2", "--jobs", "1", "--slim", "--out", tmp_path / "r")
+    done = in_this_process("run", "calm_table", *words)
     assert done.returncode == 0, done.stderr
-    lines = [line for line in done.stdout.splitlines() if line.startswith("footage: ")]
-    assert len(lines) <= 1
-    return "".join(lines)
-
-
-def test_a_run_says_where_its_pictures_come_from(tmp_path, folder):
-    done = in_this_process(*RUN, "--out", tmp_path / "1")
-    assert footage_line(done) == (
-        f"footage: rendered and kept for the next run in {folder} (--no-cache: neither)"
+    line = "footage: all from the cache, nothing rendered (--no-cache renders anew)"
+    assert line in done.stdout.splitlines()
+    pd.testing.assert_frame_equal(
+        load(tmp_path / "r").tracking, tables_of([rendered])["tracking"].to_pandas()
     )
-    done = in_this_process(*RUN, "--out", tmp_path / "2")
-    assert footage_line(done) == (
-        "footage: all from the cache, nothing rendered (--no-cache renders anew)"
-    )
-    for file in ("episodes.parquet", "events.parquet", "tracking.parquet"):
-        assert (tmp_path / "1" / file).read_bytes() == (tmp_path / "2" / file).read_bytes()
 
     lines = in_this_process("cache", "info").stdout.splitlines()
     assert lines[0] == f"folder: {folder}"
@@ -42,6 +45,21 @@ def test_a_run_says_where_its_pictures_come_from(tmp_path, folder):
     assert done.stdout.startswith("removed: 1 episode, ")
     assert [path for path in folder.rglob("*") if path.is_file()] == []
     assert "entries: 0 episodes" in in_this_process("cache", "info").stdout.splitlines()
+
+
+def test_the_line_of_a_run_says_what_was_rendered():
+    failure = rows_of(EpisodeFailure("cross", 0, "no step today"))
+    settings = CacheSettings(Path("/c"), 1)
+
+    def line(*replayed, settings=settings):
+        rows = tuple(replace(failure, renderer="egl", replayed=one) for one in replayed)
+        return origin_line((*rows, failure), settings)
+
+    kept = "kept for the next run in /c (--no-cache: neither)"
+    assert line(False, False) == f"footage: rendered and {kept}"
+    assert line(False, True, True) == f"footage: 2 of 3 from the cache, the rest {kept}"
+    assert line(True, True).startswith("footage: all from the cache, nothing rendered")
+    assert line() == line(True, settings=None) == ""
 
 
 def test_without_a_cache_there_is_nothing_to_say(monkeypatch):

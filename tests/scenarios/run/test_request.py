@@ -6,7 +6,7 @@ import pytest
 
 from pjpdaf.errors import BenchError
 from scenarios.play.plan import PlanRequest
-from scenarios.run.request import RunRequest, read_request, write_request
+from scenarios.run.request import RunRequest, read_request, resume_command, write_request
 
 PLAN = PlanRequest(
     targets=("cross", "my.yaml"),
@@ -53,6 +53,16 @@ def test_a_plug_in_must_be_named_again(tmp_path):
     path = with_plug_in(tmp_path, detector="os:system")
     with pytest.raises(BenchError, match="was begun with --detector os:system"):
         read_request(path, tracker="default")
+
+
+def test_the_command_that_goes_on_names_them():
+    assert resume_command(Path("r"), REQUEST) == "pjpdaf-bench run --resume r"
+    request = RunRequest(PlanRequest(("cross",), detector="a:b", tracker="mine:make"))
+    assert resume_command(Path("my runs"), request) == (
+        "pjpdaf-bench run --resume 'my runs' --detector a:b --tracker mine:make"
+    )
+    of_files = RunRequest(PlanRequest(detector="d.csv", detections=Path("d.csv")))
+    assert resume_command(Path("r"), of_files) == "pjpdaf-bench run --resume r"
 
 
 def test_detections_of_a_file_are_no_plug_in(tmp_path):

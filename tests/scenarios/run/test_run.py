@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import termios
+from dataclasses import replace
 
 import pytest
 from commands import (
@@ -24,6 +25,7 @@ from pjpdaf.errors import BenchError
 from reports.run.load import load
 from reports.run.rows import rows_of
 from reports.run.save import RunInfo, save
+from reports.score.records import EpisodeFailure
 from scenarios.execute.episodes import EPISODE_TIME_LIMIT_S, play_all
 from scenarios.play.job import Job, System
 from scenarios.play.plan import PlanRequest, plan
@@ -157,7 +159,8 @@ def test_an_interrupted_run_keeps_what_is_finished(tmp_path, footage, number, se
     assert process.returncode == 130, said
     assert_two_episodes_are_saved(tmp_path / "r")
     assert "interrupted: 2 of 4 episodes are in the saved run" in said
-    assert "`pjpdaf-bench run --resume r` goes on" in said
+    command = "pjpdaf-bench run --resume r --tracker waiting_plug_in:Waits"
+    assert f"`{command}` goes on" in said
     assert (tmp_path / "r.part" / "request.json").is_file()
     assert (tmp_path / "r" / "report.html").is_file()
 
@@ -249,6 +252,18 @@ def test_a_plug_in_that_hangs_fails_its_episode_and_the_rest_is_kept(executor):
     played = play_all(jobs, LimitedWhereItHangs(executor), time_limit_s=2)
     assert [bool(row.failure) for row in played.rows] == [False, True, False]
     assert "not finished within 2 s" in played.rows[1].failure
+
+
+def test_what_is_finished_is_not_played_unless_another_renderer_drew_it(executor):
+    rows = [rows_of(EpisodeFailure("calm_table", seed, "kept")) for seed in range(2)]
+    kept = {0: rows[0], 1: replace(rows[1], renderer="another")}
+    told = []
+    jobs = [job(), job(seed=1), job(seed=2)]
+    played = play_all(jobs, executor, lambda index, row: told.append((index, row)), finished=kept)
+    assert [row.failure for row in played.rows] == ["kept", "", ""]
+    assert sorted(index for index, _ in told) == [1, 2]
+    assert all(row is played.rows[index] for index, row in told)
+    assert played.renderer == executor.renderer()
 
 
 def test_a_fault_of_the_user_ends_the_run(executor):
