@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -15,8 +16,11 @@ from sim.randomness import generator
 
 SEEDS, NEEDED = 8, 6  # a failure is one of a case's if it fails with 6 of 8 fresh noise seeds
 BATCHES = (3, 3, 2)  # of them, played together: most cases are decided by the first or second
-BISECTIONS = 3  # of each parameter that is left, towards nominal
-SPARE_FRAMES = 1  # after the last failing window, when the time is cut
+BISECTIONS = 2  # of each parameter that is left, towards nominal
+# The seeds by which a form was chosen flatter it: others must bear it out, else it goes back half
+# of the way, at most so often.
+CHECK_SEEDS, CHECK_NEEDED, MOST_BACK = 16, 13, 3
+SPARE_S = 1.0  # after the last failing window, when the time is cut
 
 Evaluate = Callable[[Sequence[Case]], list[Evaluation]]
 
@@ -77,7 +81,7 @@ class _Oracle:
         played = 0
         for batch in BATCHES:
             seeds = self.seeds[played : played + batch]
-            failed += self._play(case, seeds)
+            failed += self.play(case, seeds)
             played += batch
             if len(failed) >= NEEDED:
                 self.failing[case.with_seed(0).digest] = case, failed
@@ -86,7 +90,7 @@ class _Oracle:
                 return False
         return False
 
-    def _play(self, case: Case, seeds: Sequence[int]) -> list[Evaluation]:
+    def play(self, case: Case, seeds: Sequence[int]) -> list[Evaluation]:
         """The evaluations that fail with the measure."""
         evaluations = self.evaluate([case.with_seed(seed) for seed in seeds])
         self.runs += len(seeds)
@@ -102,7 +106,10 @@ def shrink(
     the most severe case, with noise that no step has used. Raises what `evaluate` raises.
     """
     noise = [
-        int(n) for n in generator(seed, "stress/shrink/noise").integers(2**31, size=SEEDS + fresh)
+        int(n)
+        for n in generator(seed, "stress/shrink/noise").integers(
+            2**31, size=SEEDS + CHECK_SEEDS + fresh
+        )
     ]
     oracle = _Oracle(evaluate, measure, tuple(noise[:SEEDS]))
     nominal = space.nominal()
@@ -118,15 +125,17 @@ def shrink(
         return case.with_values({n: nominal[n] for n in changed if n not in names})
 
     needed = minimal_changes(changed, lambda names: oracle.fails(with_changes(names)))
-    minimal = with_changes(needed)
+    reduced = minimal = with_changes(needed)
     for name in needed:
         minimal = _bisected(space, minimal, name, nominal[name], oracle)
-    minimal = _cut(minimal, oracle)
+    check = noise[SEEDS : SEEDS + CHECK_SEEDS]
+    minimal, failed = _borne_out(space, minimal, reduced, oracle, check)
+    minimal = _cut(minimal, failed, oracle)
     severe = max(
         (_mean_severity(seen), -number, tried)
         for number, (tried, seen) in enumerate(oracle.failing.values())
     )[2]
-    late = noise[SEEDS:]
+    late = noise[SEEDS + CHECK_SEEDS :]
     return Shrunk(
         case,
         measure,
@@ -176,14 +185,37 @@ def _bisected(space: Space, case: Case, name: str, nominal: Value, oracle: _Orac
     return case
 
 
-def _cut(case: Case, oracle: _Oracle) -> Case:
+def _borne_out(
+    space: Space, case: Case, reduced: Case, oracle: _Oracle, seeds: Sequence[int]
+) -> tuple[Case, list[Evaluation]]:
+    """The case, or half-way back to `reduced`, until enough of other noise seeds fail.
+
+    Also the evaluations that failed. A form at the very edge fails with the seeds that led there,
+    and with half of all others.
+    """
+    failed: list[Evaluation] = []
+    for back in range(MOST_BACK + 1):
+        failed = oracle.play(case, seeds)
+        if len(failed) >= CHECK_NEEDED or back == MOST_BACK or case == reduced:
+            break
+        last = back == MOST_BACK - 1
+        case = reduced if last else _between(space, case, reduced)
+    return case, failed
+
+
+def _between(space: Space, case: Case, other: Case) -> Case:
+    """The case whose numbers lie half-way between those of two."""
+    middle = (space.unit_of_values(case.values) + space.unit_of_values(other.values)) / 2
+    values = space.values_of_unit(middle)
+    return case.with_values({n: v for n, v in values.items() if case.values[n] != other.values[n]})
+
+
+def _cut(case: Case, failed: Sequence[Evaluation], oracle: _Oracle) -> Case:
     """The case with as few frames as its failures need; unchanged where they do not come again."""
-    entry = oracle.failing.get(case.with_seed(0).digest)
-    if entry is None:
-        return case
     number = MEASURES.index(oracle.measure)
-    ends = [e.result.robustness.ends[number] for e in entry[1] if e.result.robustness]
-    frames = max(ends) + 1 + SPARE_FRAMES
+    ends = [e.result.robustness.ends[number] for e in failed if e.result.robustness]
+    fps = failed[0].result.fps if failed else 0.0
+    frames = max(ends, default=case.frames) + 1 + math.ceil(SPARE_S * fps)
     if frames >= case.frames:
         return case
     tried = case.with_values({"frames": frames})

@@ -28,7 +28,7 @@ def made_up(share):
         robustness = Robustness(rho, 1.0, 1.0, (1.0,) * 3, (0.1, 1.0, 1.0), ends)
         last = min(case.frames - 1, 20 + round(10 * float(v["hold"])))
         events = (Event("swap", 1, 2, 19, last, True, 0.0, 1.0),) if bad else ()
-        return Evaluation(case, TrialResult(str(case), robustness, events, case.frames))
+        return Evaluation(case, TrialResult(str(case), robustness, events, case.frames, 3.0))
 
     return evaluate
 
@@ -43,12 +43,32 @@ def test_only_what_is_needed_is_left_and_nearer_to_nominal():
     assert set(result.needed) == {"speed", "depth_gap"}
     assert len(result.changed) >= 10
     assert result.runs <= 150
-    assert 0.4 < result.minimal.values["speed"] < 0.45
+    assert 0.4 < result.minimal.values["speed"] < 0.5
     assert 0.05 < result.minimal.values["depth_gap"] < 0.06
-    assert result.minimal.values["frames"] == 22
+    assert result.minimal.values["frames"] == 24
     assert result.minimal_survival.failed >= 85
     assert result.minimal_survival.of == 100
     assert set(result.differences) == {"speed", "depth_gap"}
+
+
+def test_a_form_at_the_edge_goes_back_until_other_noise_bears_it_out():
+    """A tracker that fails the oftener the faster; the very edge would fail with half of all."""
+
+    def evaluate(cases):
+        return [one(case) for case in cases]
+
+    def one(case):
+        lucky = np.random.default_rng(case.seed).random()
+        bad = lucky < (case.values["speed"] - 0.3) / 0.2
+        robustness = Robustness(
+            -1.0 if bad else 1.0, 1.0, 1.0, (1.0,) * 3, (0.1, 1.0, 1.0), (20 if bad else -1,) * 6
+        )
+        return Evaluation(case, TrialResult(str(case), robustness, (), case.frames, 3.0))
+
+    result = shrink(SPACE, FAILING, "swap", evaluate, fresh=400)
+    assert result.needed == ("speed",)
+    assert result.minimal.values["speed"] < 0.55
+    assert result.minimal_survival.failed >= 300
 
 
 def test_the_most_severe_is_kept_beside_the_minimal():
