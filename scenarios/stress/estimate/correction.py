@@ -19,6 +19,7 @@ from pjpdaf.arrays import Floats
 from scenarios.stress.estimate.probability import LEVEL, Probability
 from sim.randomness import generator
 
+MOST_UNTRIED = 0.2
 _SAMPLES = 10_000
 
 
@@ -35,7 +36,8 @@ class CorrectedProbability:
     """A probability of the full fidelity with its interval of `LEVEL`.
 
     fast: of the stand-in; failing, passing: the full runs of draws that it failed and passed;
-    conclusive: both were tried, as far as there are such draws.
+    conclusive: the outcome of which no full run was played has a share of `MOST_UNTRIED` or less;
+    the interval allows for all of it.
     """
 
     p: float
@@ -78,6 +80,7 @@ def corrected(
     )
     estimates = [r.failures / r.runs if r.runs else 0.5 for r in (failing, passing)]
     p = fast.p * estimates[0] + (1.0 - fast.p) * estimates[1]
+    untried = fast.p * (failing.runs == 0) + (1.0 - fast.p) * (passing.runs == 0)
     nothing = failing.failures == passing.failures == 0
     return CorrectedProbability(
         p=p,
@@ -86,9 +89,7 @@ def corrected(
         fast=fast,
         failing=failing,
         passing=passing,
-        conclusive=passing.runs > 0
-        and (failing.runs > 0 or fast.failures == 0)
-        and fast.verdict != "inconclusive",
+        conclusive=untried <= MOST_UNTRIED and fast.verdict != "inconclusive",
     )
 
 
