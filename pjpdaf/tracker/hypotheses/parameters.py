@@ -102,7 +102,7 @@ class CostParameters:
     # A hand at the face while the head's blob hides it.
     face: NotNegative = 4.0
     # A hand behind the head; 0 = no hand is taken to be there.
-    behind: NotNegative = 1.0
+    behind: NotNegative = 2.0
     # Two hands on one blob, undivided.
     same_blob: NotNegative = 4.0
     # A half whose other half is nobody's.
