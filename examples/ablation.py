@@ -31,6 +31,11 @@ class Part:
     needs: Settings = field(default_factory=dict)
 
 
+def joined(*settings: Settings) -> Settings:
+    """All settings together."""
+    return {name: value for one in settings for name, value in one.items()}
+
+
 DETECTOR = tuple(
     Part(name, {parameter: "false"})
     for name, parameter in (
@@ -44,6 +49,7 @@ DETECTOR = tuple(
 # A hand that costs this much is never chosen.
 NEVER = "1e6"
 OFFSETS = {"hand_offset_m": "0,0,0", "head_offset_m": "0,0,0"}
+ENDS = {"ends": "false"}
 HALVES, FACE = {"halves": "false"}, {"face": NEVER}
 SLEEVES, HYPOTHESES = {"sleeve_weight": "0"}, {"hypotheses": "1"}
 TRACKER = (
@@ -54,10 +60,11 @@ TRACKER = (
     Part("outlines of parts", {"contours": "false"}, HALVES),
     Part("hands cut by the edge", {"cut_hands": "false"}),
     Part("what one view hides", {"hidden_share": "0"}),
-    Part("ends of bare arms", {"ends": "false"}),
+    Part("ends of bare arms", ENDS),
     Part("middle of the palm", {"palm": "0"}),
     Part("sleeves", SLEEVES),
     Part("fingers", {"finger_weight": "0"}, SLEEVES),
+    Part("direction of bare arms", {"bare_arm_fingers": "0"}, joined(SLEEVES, ENDS)),
     Part("fading evidence", {"memory_s": "1e9"}, SLEEVES),
     Part("more than one hypothesis", HYPOTHESES),
     Part("mean of hypotheses", {"mean_within": "0"}, HYPOTHESES),
@@ -66,17 +73,13 @@ TRACKER = (
     Part("sightings of one view", {"single_view": NEVER}),
     Part("a hand at the face", FACE),
     Part("places before the face", {"face_reach_m": "0"}, FACE),
+    Part("a hand behind the head", {"behind": "0"}, FACE),
     Part("blobs want owners", {"unexplained": "0", "unexplained_single": "0"}),
     Part("pieces of face and neck", {"piece": "0"}),
     Part("size of the hands learnt", {"area_memory": "0"}),
     Part("height of the hair", {"crown_share": "0"}, OFFSETS),
     Part("offsets to the body's centre", OFFSETS),
 )
-
-
-def joined(*settings: Settings) -> Settings:
-    """All settings together."""
-    return {name: value for one in settings for name, value in one.items()}
 
 
 NO_DETECTOR = joined(*(part.off for part in DETECTOR))
@@ -152,7 +155,7 @@ def table(title: str, base: Variant, others: tuple[Variant, ...], found: list[Re
         lambda some, is_base: share(some) if is_base else change(some, of_base),
     )
     rows(
-        f"{title}: median of the hands, mm; episodes swapped, lost",
+        f"{title}: median of head / hands, mm; episodes swapped, lost",
         lambda some, is_base: outcome(some),
     )
 

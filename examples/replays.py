@@ -15,7 +15,7 @@ import numpy as np
 
 from pjpdaf.follow import follow
 from pjpdaf.interfaces import Detections, Estimates
-from pjpdaf.targets import LEFT_HAND, RIGHT_HAND
+from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND
 from reports.gate.statistics import clustered_bootstrap
 from reports.score.events import find_events
 from reports.score.records import Episode, FrameOutcome
@@ -46,7 +46,7 @@ class Variant:
 
 @dataclass(frozen=True)
 class Result:
-    """What a variant makes of an episode; hands_mm: median error of the hands."""
+    """What a variant makes of an episode; head_mm, hands_mm: median errors."""
 
     variant: str
     scenario: str
@@ -54,6 +54,7 @@ class Result:
     seed: int
     target_frames: int
     within: int
+    head_mm: float
     hands_mm: float
     swapped: bool
     lost: bool
@@ -125,6 +126,7 @@ def scored(name: str, episode: Episode) -> Result:
         episode.seed,
         errors.size,
         int((errors < WITHIN_M).sum()),
+        1e3 * float(np.median(errors[:, HEAD])),
         1e3 * float(np.median(errors[:, [RIGHT_HAND, LEFT_HAND]])),
         "swap" in kinds,
         "lost" in kinds,
@@ -191,9 +193,12 @@ def by_group(found: Iterable[Result]) -> Iterator[tuple[str, list[Result]]]:
 
 
 def outcome(found: Sequence[Result]) -> str:
-    """Median of the hands, episodes swapped, lost: "12.9, 1, 2"."""
+    """Medians of head / hands, episodes swapped, lost: "13.1 / 12.9, 1, 2"."""
     swapped, lost = sum(r.swapped for r in found), sum(r.lost for r in found)
-    return f"{float(np.median([r.hands_mm for r in found])):.1f}, {swapped}, {lost}"
+    head, hands = (
+        float(np.median(v)) for v in zip(*((r.head_mm, r.hands_mm) for r in found), strict=True)
+    )
+    return f"{head:.1f} / {hands:.1f}, {swapped}, {lost}"
 
 
 def share(found: Sequence[Result]) -> str:

@@ -51,7 +51,9 @@ def test_the_table_has_shares_and_paired_changes_of_each_group(examples, capsys,
     for seed in range(8):
         for name, within in (("default", 90 + seed % 2), ("worse", 60 + seed % 2)):
             found.append(
-                replays.Result(name, "cross", "hands", seed, 100, within, 12.5, seed == 0, False)
+                replays.Result(
+                    name, "cross", "hands", seed, 100, within, 9.0, 12.5, seed == 0, False
+                )
             )
     replays.write(tmp_path / "results.jsonl", found)
     found = replays.read(tmp_path / "results.jsonl")
@@ -61,4 +63,4 @@ def test_the_table_has_shares_and_paired_changes_of_each_group(examples, capsys,
     assert "hands, n = 8" in text
     assert "| default | 90.5 (" in text
     assert "| worse | **-30.0 (-30.0 to -30.0)** |" in text
-    assert "| worse | 12.5, 1, 0 |" in text
+    assert "| worse | 9.0 / 12.5, 1, 0 |" in text
