@@ -97,10 +97,11 @@ def reserved(
     """
     shown = _new_folder(names) if request.out is None else request.out
     folder = Path(os.path.abspath(shown))  # noqa: PTH100 - keeps a link that is the folder's parent
-    part = unfinished(folder)
-    begun = (part / journal.FILE).is_file()
+    with disk_faults(folder, "the run"):
+        begun = bool(folder.name) and (unfinished(folder) / journal.FILE).is_file()
     # What an interrupted run has saved is replaced when it is complete.
     check_free(folder, force=begun)
+    part = unfinished(folder)
     identity = run_identity(jobs, request.preset)
     with Journal.open(part, identity) as opened:
         try:
@@ -154,9 +155,11 @@ def unfinished_run(path: Path) -> Path:
     Raises BenchError where nothing is unfinished there.
     """
     folder = path.with_name(path.name.removesuffix(UNFINISHED)) if path.name else path.absolute()
-    part = unfinished(folder)
-    if (part / REQUEST).is_file():
-        return folder
-    if (folder / "run.json").is_file():
-        raise BenchError(f"{folder}: is finished; there is nothing to go on with.")
-    raise BenchError(f"{part}: no such unfinished run; give the command once more.")
+    if not folder.name:
+        raise BenchError(f"{path}: no such unfinished run.")
+    with disk_faults(folder, "the run"):
+        if (unfinished(folder) / REQUEST).is_file():
+            return folder
+        if (folder / "run.json").is_file():
+            raise BenchError(f"{folder}: is finished; there is nothing to go on with.")
+    raise BenchError(f"{unfinished(folder)}: no such unfinished run; give the command once more.")

@@ -99,6 +99,24 @@ def test_what_was_not_finished_leaves_nothing(store):
     assert files(store) == []
 
 
+def test_two_writers_of_one_entry_leave_one_whole_entry(store):
+    with store.pending(key("a"), RENDERER) as slow:
+        slow.file.write(b"half")
+        slow.file.flush()
+        light = write(store, "a")
+        (path,) = (one for one in files(store) if one.suffix != PART_SUFFIX)
+        whole = path.read_bytes()
+        assert opened(store, "a") is not None
+        slow.file.seek(0)
+        slow.file.truncate()
+        writer = RecordingWriter(slow.file)
+        writer.add_frame(light, facts())
+        writer.finish(Drawn(), key("a").record)
+        slow.keep = True
+    assert files(store) == [path]
+    assert path.read_bytes() == whole
+
+
 def test_a_damaged_entry_is_a_miss_and_written_anew(store):
     write(store, "a")
     (path,) = files(store)

@@ -133,3 +133,11 @@ def test_resume_takes_either_name(tmp_path):
     (tmp_path / "done" / "run.json").write_text("{}")
     with pytest.raises(BenchError, match="done: is finished; there is nothing to go on with"):
         unfinished_run(tmp_path / "done")
+
+
+@pytest.mark.parametrize("name", ["/", "x" * 255])
+def test_a_folder_that_cannot_be_is_one_line(tmp_path, name):
+    with pytest.raises(BenchError, match=r"exists and is not empty|File name too long"):
+        begun(tmp_path / name)
+    with pytest.raises(BenchError, match=r"no such unfinished run|File name too long"):
+        unfinished_run(tmp_path / name)
