@@ -3,6 +3,7 @@
 import os
 import time
 
+from pjpdaf.interfaces import Estimates
 from pjpdaf.tracker.filter import PJPDAF
 
 
@@ -47,3 +48,15 @@ class Hangs(Faulty):
     def step(self, state, seen, dt_s):
         """Sleep."""
         time.sleep(1000)
+
+
+class Waits(Faulty):
+    """Never gives an estimate."""
+
+    def estimates(self, state):
+        """Give none."""
+        return Estimates.waiting()
+
+    def step(self, state, seen, dt_s):
+        """Give none."""
+        return state, Estimates.waiting()

@@ -35,6 +35,8 @@ from reports.stress.words import (
 )
 from reports.summary.text import count
 
+MOST_VERDICTS = 6  # sentences at the top
+
 
 @dataclass(frozen=True, eq=False)
 class PlayerSection:
@@ -62,7 +64,7 @@ def build_stress_page(folders: Sequence[StressFolder]) -> str:
         scripts=[script("report.js"), script(*PLAYER)],
         title=f"Stress test: {', '.join(systems)}",
         systems=systems,
-        verdicts=_verdicts(searches, cards, estimates),
+        verdicts=[*_verdicts(searches, cards, estimates), *_mapped(folders)][:MOST_VERDICTS],
         tiles=_tiles(folders, searches, cards, estimates),
         searches=searches,
         cards=cards,
@@ -138,6 +140,20 @@ def _replays(folders: Sequence[StressFolder]) -> dict[tuple[str, int], str]:
         for record in records
         if record.episode is not None
     }
+
+
+def _mapped(folders: Sequence[StressFolder]) -> list[str]:
+    """What the maps show, a sentence each."""
+    lines = []
+    for record in (m for f in folders if f.map is not None for m in f.map.maps):
+        n = sum(cell.n for cell in record.cells)
+        failed = sum(cell.failures.get(record.goal, 0) for cell in record.cells)
+        axes = [axis.name.replace("_", " ") for axis in (record.x, record.y) if axis is not None]
+        lines.append(
+            f"{record.family}: {GOAL_WORDS[record.goal]} in {failed} of {count(n, 'trial')} over "
+            f"{' and '.join(axes)}."
+        )
+    return lines
 
 
 def _films(run: SavedRun) -> dict[tuple[str, int], dict[int, bytes]]:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import BenchError, PlugInFault
 from pjpdaf.follow import FollowedFrame
 from pjpdaf.presets.registry import PRESETS
 from pjpdaf.targets import TARGETS
@@ -31,6 +31,7 @@ from scenarios.stress.families import find_family
 from scenarios.stress.play_trial import result_of
 from scenarios.stress.search.table import EVENTS
 from scenarios.stress.space import Space
+from sim.contact.contact import Unposable
 from sim.files import written_whole_file
 from sim.motion.stage import Value
 from sim.truth import Truth
@@ -96,7 +97,7 @@ def replay_verb(request: ReplayRequest) -> None:
 
 
 def replay(request: ReplayRequest) -> Replayed:
-    """Play a case again; writes the film. Raises BenchError, Unposable and what a plug-in raises.
+    """Play a case again; writes the film. Raises BenchError where it gives no result.
 
     The same case, system and fidelity give the same result, byte for byte.
     """
@@ -106,10 +107,13 @@ def replay(request: ReplayRequest) -> Replayed:
     if request.film is not None and request.fidelity == "fast":
         raise BenchError("--film: the fast fidelity has no pictures; leave out --fidelity fast")
     key = Trial(case, system, request.fidelity).key
-    if request.fidelity == "fast":
-        result = result_of(key, play_fast(case.job(system)))
-    else:
-        result = _rendered(case, system, key, request.film)
+    try:
+        if request.fidelity == "fast":
+            result = result_of(key, play_fast(case.job(system)))
+        else:
+            result = _rendered(case, system, key, request.film)
+    except (PlugInFault, Unposable) as fault:
+        raise BenchError(f"{case.family} seed {case.seed}: no result: {fault}") from None
     return Replayed(case, system, request.fidelity, result, expected)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import BenchError, InfrastructureError
 from reports.score.robustness import GOALS, Goal
 from reports.stress.page import write_stress_page
 from reports.stress.records import SearchFile, write_record
@@ -27,7 +27,7 @@ from scenarios.stress.search.record import KIND, VERSION, family_record
 from scenarios.stress.search.search import FamilySearch, SearchPlan, search_family
 from scenarios.stress.search.table import failure_table
 from scenarios.stress.space import Space
-from scenarios.stress.system_text import command_text, system_text
+from scenarios.stress.system_text import command_text, replay_command, system_text
 from sim.files import written_whole_file
 
 MAX_BUDGET = 1_000_000
@@ -87,6 +87,8 @@ def search_verb(request: SearchRequest) -> None:
         page = _write_page(campaign, results, request.argv)
         _print(campaign, results)
         Console().print(f"page: {page}", highlight=False, soft_wrap=True)
+        if not any(e.result.robustness for result in results for e in result.search.evaluations):
+            raise InfrastructureError("no run gave a result")
 
 
 def goals_of(text: str) -> tuple[Goal, ...]:
@@ -253,11 +255,9 @@ def _print_quarantined(campaign: Campaign, out: Console) -> None:
         return
     trial, result = quarantined[0]
     assert result.failure is not None
-    values = " ".join(f"--set {n}={v}" for n, v in trial.case.values.items())
     out.print(
         f"no result in {count(len(quarantined), 'run')}, the first: {result.failure.kind}: "
-        f"{result.failure.reason}: stress {trial.case.family} replay --seed {trial.case.seed} "
-        f"{values}",
+        f"{result.failure.reason}: {replay_command(trial.case, trial.system)}",
         highlight=False,
         soft_wrap=True,
     )

@@ -3,11 +3,15 @@
 import json
 import re
 import signal
+from pathlib import Path
 
 import pytest
 from commands import assert_one_line, in_this_process, started, wait_until
 
 from scenarios.execute.journal import FILE
+from scenarios.play.job import System
+from scenarios.stress.case_file import corpus_case, load_case, write_case
+from scenarios.stress.replay import case_from_settings
 
 # Six frames show nothing of a motion, but everything of the command.
 WORDS = ("stress", "cross", "search", "--preset", "thesis", "--set", "frames=6", "--confirm", "0")
@@ -39,6 +43,34 @@ def test_a_search_ends_with_its_files_and_goes_on_after_a_kill(tmp_path, monkeyp
     assert (folder / "stress.html").is_file()
     once_more = in_this_process(*words, "--jobs", "1")
     assert once_more.stdout == whole.stdout
+
+
+def test_a_replay_gives_the_same_again_and_says_what_happens(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words = ("stress", "drink", "replay", "--fidelity", "fast", "--set", "frames=6", "--seed", "3")
+    first, again = in_this_process(*words), in_this_process(*words)
+    assert first.stdout == again.stdout
+    assert "drink seed 3, fast, tracker default: 6 frames at 3 a second" in first.stdout
+    assert re.search(r"hands swapped +rho \+\d\.\d{3}\n", first.stdout)
+    other = in_this_process(*words[:-1], "4")
+    assert other.stdout.splitlines()[-1] != first.stdout.splitlines()[-1]
+    filmed = in_this_process(*words, "--film", "x.mp4")
+    assert_one_line(filmed, 2, "--film: the fast fidelity has no pictures")
+
+
+@pytest.mark.long
+def test_what_does_not_fail_is_promoted_as_fixed_only(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    case = case_from_settings("drink", {"frames": 4}, 3)
+    system = System("thesis", "thesis")
+    write_case(Path("c.yaml"), corpus_case("c", case, system, "lost_left", -0.5, "open"))
+    refused = in_this_process("stress", "promote", "c.yaml", "--corpus", "mine")
+    assert_one_line(refused, 2, "left lost does not fail with thesis when rendered")
+    done = in_this_process("stress", "promote", "c.yaml", "--corpus", "mine", "--fixed")
+    assert done.returncode == 0, done.stderr
+    assert load_case(Path("mine/c.yaml")).status == "fixed"
+    twice = in_this_process("stress", "promote", "c.yaml", "--corpus", "mine", "--fixed")
+    assert_one_line(twice, 2, "is in the corpus already")
 
 
 @pytest.mark.parametrize(
