@@ -1,8 +1,9 @@
 """The choice between components and k-means, with less of k-means than the detector does.
 
-Of 551 pictures of merged or hidden targets none was clustered into as many or fewer clusters than
-it had components (but the components themselves), none whose components fit their ellipses to
-SURE, and none into two more where one more was no better: these hypotheses are left out.
+In 519 pictures of merged or hidden targets the detector never chose as many or fewer clusters by
+k-means than there were components, never split components that fit their ellipses to SURE, and
+chose two more only where one more was better than none: those hypotheses are left out. Where the
+two differ (3 in 100) another start of k-means has found other clusters.
 """
 
 from __future__ import annotations

@@ -93,10 +93,10 @@ def _outlines(
 ) -> tuple[Outlines, ...]:
     scene = performance.scene
     outlines = []
-    shapes = _shapes(scene, tracks[0], performance.learnt)
+    shapes = _shapes(scene, tracks[0], performance.learnt, everything)
     for track, camera in zip(tracks, rig.cameras, strict=True):
         if track is not tracks[0]:
-            shapes = _shapes(scene, track, performance.learnt)
+            shapes = _shapes(scene, track, performance.learnt, everything)
         bars, hulls = shapes
         hidden = below_table(bars, scene.room, camera.centre_w)
         outlines.append(outlines_of(bars, hulls, camera, step_px, everything, hidden))
@@ -104,11 +104,11 @@ def _outlines(
 
 
 def _shapes(
-    scene: SceneSpec, track: PoseTrack, learnt: Mapping[str, Transform]
+    scene: SceneSpec, track: PoseTrack, learnt: Mapping[str, Transform], clothes: bool
 ) -> tuple[Bars, list[Hull]]:
     anatomy, looks = scene.anatomy, scene.appearance
     bars, hulls = thing_shapes(track, scene, learnt)
     return (
         joined([person_bars(track, anatomy, looks), *bars]),
-        [*person_hulls(track, anatomy, looks, scene.room.table_height_m), *hulls],
+        [*person_hulls(track, anatomy, looks, scene.room.table_height_m, clothes), *hulls],
     )

@@ -75,17 +75,9 @@ def outlines_of(
     """
     small = reduced_camera(camera, step_px)
     bar_pixels, bar_depths, bar_boxes = _project_bars(bars, small)
-    depths, boxes = [bar_depths], [bar_boxes]
-    pixels = []
-    points_m = [bars.starts_m[:, :0], *(hull.points_m for hull in hulls)]
-    at, far = _project(np.concatenate(points_m, axis=1), small)
-    ends = np.cumsum([points.shape[1] for points in points_m]).tolist()
-    for hull, first, last in zip(hulls, ends[:-1], ends[1:], strict=True):
-        points, depth, box = _hull_outline(hull, at[:, first:last], far[:, first:last])
-        pixels.append(points)
-        depths.append(depth[:, None])
-        boxes.append(box[:, None])
-    depths_m, all_boxes = np.concatenate(depths, axis=1), np.concatenate(boxes, axis=1)
+    pixels, hull_depths, hull_boxes = _project_hulls(hulls, small, len(bar_depths))
+    depths_m = np.concatenate([bar_depths, hull_depths], axis=1)
+    all_boxes = np.concatenate([bar_boxes, hull_boxes], axis=1)
     for index, hull in enumerate(hulls, start=len(bars.paints)):
         if hull.normals is not None:
             _order_by_plane(depths_m, all_boxes, bars, hull, index, camera)
@@ -105,7 +97,7 @@ def outlines_of(
     target_boxes, covered = _targets(paints, depths_m, all_boxes, size)
     return Outlines(
         bar_pixels,
-        tuple(pixels),
+        pixels,
         paints.tolist(),
         depths_m,
         all_boxes,
@@ -174,17 +166,23 @@ def _project_bars(bars: Bars, camera: Camera) -> tuple[NDArray[np.int32], Floats
     return _fixed(outline), 0.5 * (depth[:, :n] + depth[:, n:]), box
 
 
-def _hull_outline(
-    hull: Hull, points: Floats, depth: Floats
-) -> tuple[NDArray[np.int32], Floats, Floats]:
-    """Points (F, k, 2), depth (F,) and box (F, 4) of a hull, drawn in by the border."""
-    low, high = points.min(axis=1), points.max(axis=1)
-    middle = 0.5 * (low + high)[:, None]
-    extent = np.maximum(high - low, 1e-6)
-    share = np.maximum(1.0 - 2 * _BORDER_PX / extent, 0.02)[:, None]
-    drawn = middle + share * (points - middle)
-    mean = depth.mean(axis=1) - hull.nearer_m
-    return _fixed(drawn), mean, np.concatenate([low, high], axis=1)
+def _project_hulls(
+    hulls: list[Hull], camera: Camera, frames: int
+) -> tuple[tuple[NDArray[np.int32], ...], Floats, Floats]:
+    """Points of each hull (F, k, 2), drawn in by the border, depths (F, h) and boxes (F, h, 4)."""
+    if not hulls:
+        return (), np.zeros((frames, 0)), np.zeros((frames, 0, 4))
+    sizes = np.array([hull.points_m.shape[1] for hull in hulls])
+    points, depth = _project(np.concatenate([h.points_m for h in hulls], axis=1), camera)
+    first = np.concatenate([[0], np.cumsum(sizes)[:-1]])
+    low = np.minimum.reduceat(points, first, axis=1)
+    high = np.maximum.reduceat(points, first, axis=1)
+    share = np.maximum(1.0 - 2 * _BORDER_PX / np.maximum(high - low, 1e-6), 0.02)
+    middle = np.repeat(0.5 * (low + high), sizes, axis=1)
+    drawn = _fixed(middle + np.repeat(share, sizes, axis=1) * (points - middle))
+    mean = np.add.reduceat(depth, first, axis=1) / sizes - [hull.nearer_m for hull in hulls]
+    pieces = np.split(drawn, first[1:].tolist(), axis=1)
+    return tuple(pieces), mean, np.concatenate([low, high], axis=-1)
 
 
 def _project(points_m: Floats, camera: Camera) -> tuple[Floats, Floats]:
@@ -192,9 +190,11 @@ def _project(points_m: Floats, camera: Camera) -> tuple[Floats, Floats]:
     frames, n, _ = points_m.shape
     at = points_m.reshape(-1, 3) @ camera.R_cw.T + camera.t_cw
     depth = at[:, 2]
-    safe = np.where(depth > _NEAREST_M, depth, np.nan)
-    pixels = at[:, :2] / safe[:, None] * camera.K[[0, 1], [0, 1]] + camera.K[:2, 2]
-    np.nan_to_num(pixels, copy=False, nan=_FAR)
+    pixels = at[:, :2] * (camera.K[[0, 1], [0, 1]] / np.maximum(depth, 1e-9)[:, None])
+    pixels += camera.K[:2, 2]
+    behind = depth <= _NEAREST_M
+    if behind.any():
+        pixels[behind] = _FAR
     return pixels.reshape(frames, n, 2), depth.reshape(frames, n)
 
 

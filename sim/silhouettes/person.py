@@ -139,9 +139,13 @@ def _ring(radius_m: float, x_m: float, z_m: float) -> Floats:
 
 
 def person_hulls(
-    track: PoseTrack, anatomy: Anatomy, appearance: Appearance, table_height_m: float
+    track: PoseTrack,
+    anatomy: Anatomy,
+    appearance: Appearance,
+    table_height_m: float,
+    clothes: bool = True,
 ) -> list[Hull]:
-    """Hair, bare face with ears, neck, collar and the pieces of the trunk above the table."""
+    """Hair, bare face with ears and neck; with clothes, collar and trunk above the table."""
     bare, hair = outline_points(anatomy, appearance.hair)
     k = anatomy.head_breadth_m / 0.1522
     if appearance.hair != "long":
@@ -160,12 +164,15 @@ def person_hulls(
             middle = hair.mean(axis=0) + _LIT_M
             lit = track.head.moved(middle + np.sqrt(share) * (hair - middle))
             hulls.append(Hull(lit, BARE, _HAIR_M + 0.02))
+    hulls.append(_neck(track, anatomy))
+    if not clothes:  # they are behind head and hands
+        return hulls
     lowest = table_height_m - _SEEN_BELOW_M - anatomy.mid_shoulder_height_m
     pieces = _trunk(anatomy, lowest)
     hulls += [Hull(track.torso.moved(piece), CLOTHED, _TRUNK_M) for piece in pieces]
     rims = [_ring(0.0565, 0.004, z_m) for z_m in (0.045, COLLAR_TOP_M)]
     collar = Hull(track.torso.moved(np.concatenate(rims)), CLOTHED, _TRUNK_M)
-    return [*hulls, collar, _neck(track, anatomy)]
+    return [*hulls, collar]
 
 
 def _like_skin(hair_rgb: RGB) -> float:

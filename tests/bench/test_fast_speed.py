@@ -36,7 +36,7 @@ def cpu_s(call) -> float:
     return process_time() - begun
 
 
-@pytest.mark.parametrize("preset", ["thesis"])
+@pytest.mark.parametrize("preset", ["thesis", "default"])
 def test_fast_episodes(benchmark, preset):
     jobs = plan(PlanRequest(FAMILIES, 1, 8000, detector=preset, tracker=preset))
     episodes = [play_fast(job) for job in jobs]
