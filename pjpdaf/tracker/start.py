@@ -15,6 +15,7 @@ from pjpdaf.checks import AboveZero, check_bounds
 from pjpdaf.interfaces import Detections
 from pjpdaf.tracker.thesis_units import MM2, MM2_PER_FRAME2
 
+FOREARM_M = 0.27  # of an adult
 MOST_CANDIDATES = 6  # blobs a view that may be a hand, largest first
 
 
@@ -64,8 +65,9 @@ def find_head_and_hands(
     The largest area at the top is the head; below it, the person's right hand is left in the
     picture. The views must agree: every target triangulates from the first two views (Eq. 3.45)
     within `start_residual_px` and `start_depth_m` in every view that has a blob there, and the
-    hands lie within `start_reach_m` of the head. Of several pairs of hands the pair
-    with the largest area wins.
+    hands lie within `start_reach_m` of the head. Of several pairs of hands the pair on both sides
+    of the head wins, then the pair further apart than a forearm is long (a watch cuts a bare arm in
+    two), then the pair with the largest area.
     """
     if len(cameras) < 2 or len(detections) != len(cameras):
         return None
@@ -83,7 +85,7 @@ def find_head_and_hands(
         if (point := locate(cameras, _centres(detections, blobs), parameters)) is not None
         and np.linalg.norm(point - head) <= parameters.start_reach_m
     ]
-    best: tuple[float, Floats] | None = None
+    best: tuple[tuple[bool, bool, float], Floats] | None = None
     for (first, first_m), (second, second_m) in combinations(hands, 2):
         sides = [_side(view, a, b) for view, a, b in zip(detections, first, second, strict=True)]
         if abs(sum(sides)) != len(sides):
@@ -92,9 +94,16 @@ def find_head_and_hands(
             float(view.areas_px[a] + view.areas_px[b])
             for view, a, b in zip(detections, first, second, strict=True)
         )
-        if best is None or area > best[0]:
+        around = all(
+            _side(view, a, top) == side == _side(view, top, b)
+            for view, a, b, top, side in zip(detections, first, second, heads, sides, strict=True)
+            if top is not None
+        )
+        apart = bool(np.linalg.norm(first_m - second_m) > FOREARM_M)
+        rank = around, apart, area
+        if best is None or rank > best[0]:
             right, left = (first_m, second_m) if sides[0] > 0 else (second_m, first_m)
-            best = area, np.array([head, right, left])
+            best = rank, np.array([head, right, left])
     return None if best is None else best[1]
 
 

@@ -27,6 +27,7 @@ from sim.silhouettes.shapes import BARE
 STEP_PX = 2  # pictures are painted so much smaller
 CLOSING = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))  # as the detector's of 5 px
 _SAMPLE = 2  # of the painted pixels each way, where they are searched for components
+_MOST_SCALED = 4.0  # the least area of a near person over that of the reference depth, at most
 _APART = 3  # components that are taken for the blobs: k-means is not asked
 
 
@@ -46,12 +47,15 @@ class SkinBlobs:
     _all_pixels: ClusterParameters = field(init=False, repr=False)
     _simple: bool = field(init=False, repr=False)
     _centre_covariances: Floats = field(init=False, repr=False)
+    _surely_px: list[float] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         whole = replace(self.parameters.clusters, subsample=1)  # of the sampled pixels
         object.__setattr__(self, "_all_pixels", whole)
         other_skin = any(view.other_skin for view in self.painter.film.outlines)
         object.__setattr__(self, "_simple", whole.components_compete and not other_skin)
+        least = [min_area_px(self.parameters.components, c, None) for c in self.cameras]
+        object.__setattr__(self, "_surely_px", [_MOST_SCALED * area for area in least])
         one = self.parameters.centre_sd_px**2 * np.eye(2)
         object.__setattr__(self, "_centre_covariances", np.tile(one, (T, 1, 1)))
 
@@ -75,6 +79,9 @@ class SkinBlobs:
         self, frame: int, number: int, painted: PaintedView, predicted: Estimates | None
     ) -> Detections:
         p, step = self.parameters, painted.step_px
+        # Larger than this counts, whatever is predicted; the median of the depths takes its time.
+        if self._simple and _plain(painted.patches, self._surely_px[number] / step**2):
+            return self._plain_blobs(painted, frame, number)
         least = min_area_px(p.components, self.cameras[number], predicted) / step**2
         if self._simple and _plain(painted.patches, least):
             return self._plain_blobs(painted, frame, number)

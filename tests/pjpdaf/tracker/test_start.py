@@ -107,3 +107,11 @@ def test_parallel_rays_have_no_point() -> None:
     centre = np.tile(K[:2, 2], (2, 1))
     assert np.all(np.isnan(triangulate(CAMERAS, centre)))
     assert locate(CAMERAS, centre, P) is None
+
+
+def test_an_arm_cut_in_two_does_not_become_both_hands() -> None:
+    """A watch or a rolled sleeve; the other hand is the smallest blob of the three."""
+    forearm = START_W[2] + np.array([-0.05, 0.15, -0.12])
+    seen = look(np.vstack([START_W, forearm]), np.array([4500.0, 900, 1500, 1600]))
+    positions_m = find_head_and_hands(CAMERAS, seen, P)
+    np.testing.assert_allclose(positions_m[:2], START_W[:2], atol=1e-9)
