@@ -194,7 +194,8 @@ def _verdicts(searches: Any, cards: Sequence[FailureCard], estimates: Probabilit
         if worst is not None and worst[1].p > 0:
             family, record = worst
             text = interval_text(record.p, record.low, record.high)
-            lines.append(f"{system}: {headline(goal)} is highest in {family}: {text}.")
+            name = f"{system}: " if len({s for s, _ in estimates.columns}) > 1 else ""
+            lines.append(f"{name}{headline(goal)} is highest in {family}: {text}.")
     return lines
 
 

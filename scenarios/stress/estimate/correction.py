@@ -78,8 +78,10 @@ def corrected(
     low, high = np.quantile(
         shares * right + (1.0 - shares) * missed, [(1 - LEVEL) / 2, (1 + LEVEL) / 2]
     )
-    estimates = [r.failures / r.runs if r.runs else 0.5 for r in (failing, passing)]
-    p = fast.p * estimates[0] + (1.0 - fast.p) * estimates[1]
+    # Where no full run was played, p believes fast; the interval does not.
+    p_failing = failing.failures / failing.runs if failing.runs else 1.0
+    p_passing = passing.failures / passing.runs if passing.runs else 0.0
+    p = fast.p * p_failing + (1.0 - fast.p) * p_passing
     untried = fast.p * (failing.runs == 0) + (1.0 - fast.p) * (passing.runs == 0)
     nothing = failing.failures == passing.failures == 0
     return CorrectedProbability(

@@ -63,6 +63,7 @@ def test_a_side_that_was_not_tried_is_not_conclusive() -> None:
     # What is rare enough need not be tried: the interval allows for all of it.
     result = corrected(counted(100, 1000), FullRuns(0, 0), FullRuns(40, 0))
     assert result.conclusive
+    assert result.p == pytest.approx(0.1)
     assert result.high > 0.1
 
 
