@@ -4,10 +4,10 @@
     python examples/stress_power.py shrink CASE.yaml...
     python examples/stress_power.py workers --family cross
 
-swaps: so many campaigns with different seeds, each up to its first swap, and as many with random
-points of the same ranges. shrink: runs, parameters left and survival of each case. workers: the
-same search with 1 and with 4 workers, compared byte for byte. Episodes are kept in --journal, so
-that a measurement that was stopped goes on.
+swaps: so many campaigns with different seeds, each up to its first swap, and --random many with
+random points, uniform over the same ranges, and nominal draws. shrink: runs, parameters left and
+survival of each case. workers: the same search with 1 and with 4 workers, compared byte for byte.
+Episodes are kept in --journal, so that a measurement that was stopped goes on.
 """
 
 import argparse
@@ -52,19 +52,19 @@ class Here:
         pass
 
 
-def first_at_random(space, evaluator, budget, seed):
-    """How many random points up to the first swap, None without any in the budget."""
-    rng = generator(seed, "examples/stress_power/random")
+def first_at_random(space, evaluator, budget, seed, kind):
+    """How many random points up to the first swap, None without any in the budget.
+
+    kind: "uniform" over the ranges, or "nominal" draws.
+    """
+    rng = generator(seed, f"examples/stress_power/{kind}")
+    draw = {
+        "uniform": lambda: space.values_of_unit(rng.random(len(space.axes))),
+        "nominal": lambda: space.values_of_latent(rng.normal(size=len(space.axes))),
+    }[kind]
     for start in range(0, budget, CHUNK):
         count = min(CHUNK, budget - start)
-        cases = [
-            Case(
-                space.family.name,
-                space.values_of_unit(rng.random(len(space.axes))),
-                int(rng.integers(2**31)),
-            )
-            for _ in range(count)
-        ]
+        cases = [Case(space.family.name, draw(), int(rng.integers(2**31))) for _ in range(count)]
         for number, evaluation in enumerate(evaluator.evaluate(cases), start=start + 1):
             if evaluation.failures(("swap",)):
                 return number
@@ -75,7 +75,7 @@ def swaps(arguments, runner):
     space = Space.of(find_family(arguments.family))
     system = System(arguments.preset, arguments.preset)
     evaluator = Evaluator(runner, system, "fast")
-    for kind in ("search", "random"):
+    for kind in ("search", "uniform", "nominal"):
         found = []
         started = time.process_time()
         for seed in range(arguments.campaigns if kind == "search" else arguments.random):
@@ -83,7 +83,7 @@ def swaps(arguments, runner):
                 plan = SearchPlan(arguments.budget, ("swap",), seed, distinct=1)
                 found.append(search_family(space, evaluator.evaluate, plan).first_failure())
             else:
-                found.append(first_at_random(space, evaluator, arguments.budget, seed))
+                found.append(first_at_random(space, evaluator, arguments.budget, seed, kind))
             print(f"  {kind} seed {seed}: {found[-1]}", flush=True)
         numbers = [arguments.budget + 1 if n is None else n for n in found]
         hits = sum(n is not None for n in found)

@@ -110,6 +110,11 @@ class Campaign:
     runner: TrialRunner
     progress: Progress
 
+    def fidelity_for(self, space: Space) -> Fidelity:
+        """The fidelity of a family: full where fast does not know what varies, unless asked for."""
+        asked = self.request.fidelity is not None
+        return self.fidelity if asked or space.family.fast else "full"
+
 
 def families_of(target: str) -> tuple[StressFamily, ...]:
     """The families of a target: names with commas between them, or `all`. Raises BenchError."""

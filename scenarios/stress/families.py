@@ -34,13 +34,15 @@ _NUISANCES = (
 class StressFamily:
     """A family to search: the scenario, and the standard parameters that vary beside its own.
 
-    ranges: of a parameter whose whole range cannot be played.
+    ranges: of a parameter whose whole range cannot be played; fast: whether the fast fidelity knows
+    what varies (docs/stress_fast.md), else it is searched in full unless asked for otherwise.
     """
 
     name: str
     scenario_name: str
     standard: tuple[str, ...] = ()
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    fast: bool = True
 
     @property
     def scenario(self) -> Scenario:
@@ -90,7 +92,7 @@ FAMILIES: Mapping[str, StressFamily] = {
         _motion("object_splits_hand"),
         _motion("roll_forearms"),
         _RECORDED,
-        StressFamily("nuisances", "natural_table", _NUISANCES),
+        StressFamily("nuisances", "natural_table", _NUISANCES, fast=False),
     )
 }
 

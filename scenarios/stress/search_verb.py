@@ -17,7 +17,7 @@ from reports.summary.text import count
 from scenarios.spec.corpus_case import corpus_files, load_corpus_case
 from scenarios.spec.suggestion import did_you_mean
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
-from scenarios.stress.case import Case
+from scenarios.stress.case import Case, Fidelity
 from scenarios.stress.case_file import case_of, corpus_case, write_case
 from scenarios.stress.confirm import Counterexample, choose, confirm
 from scenarios.stress.recording import record_episodes
@@ -59,6 +59,7 @@ class FamilyFound:
 
     search: FamilySearch
     found: tuple[Counterexample, ...]
+    fidelity: Fidelity
     files: tuple[Path | None, ...] = ()
 
 
@@ -128,7 +129,8 @@ def _search(
     campaign: Campaign, space: Space, request: SearchRequest, goals: tuple[Goal, ...]
 ) -> FamilyFound:
     name, seed = space.family.name, campaign.request.seed
-    evaluator = Evaluator(campaign.runner, campaign.system, campaign.fidelity, campaign.other)
+    fidelity = campaign.fidelity_for(space)
+    evaluator = Evaluator(campaign.runner, campaign.system, fidelity, campaign.other)
     plan = SearchPlan(
         budget=request.budget,
         goals=goals,
@@ -144,7 +146,7 @@ def _search(
     most = min(request.confirm, len(found))
     campaign.progress.start(f"{name}: confirm", most)
     in_full = replace(evaluator, fidelity="full")
-    return FamilyFound(search, tuple(confirm(found, in_full.evaluate, most)))
+    return FamilyFound(search, tuple(confirm(found, in_full.evaluate, most)), fidelity)
 
 
 def _with_files(campaign: Campaign, result: FamilyFound) -> FamilyFound:
@@ -167,7 +169,7 @@ def _with_files(campaign: Campaign, result: FamilyFound) -> FamilyFound:
             robustness.measures[measure],
             "open",
             f"{one.failure.signature.words}; fails with {one.survival.text} fresh noise seeds in "
-            f"{campaign.fidelity}",
+            f"{result.fidelity}",
         )
         files.append(folder / f"{name}.yaml")
         write_case(folder / f"{name}.yaml", record, replace=True)
@@ -179,8 +181,10 @@ def _write_record(campaign: Campaign, results: Sequence[FamilyFound]) -> None:
         "kind": KIND,
         "version": VERSION,
         "request": json.loads(campaign.request.identity()),
-        "fidelity": campaign.fidelity,
-        "families": [family_record(result.search, result.found) for result in results],
+        "families": [
+            {**family_record(result.search, result.found), "fidelity": result.fidelity}
+            for result in results
+        ],
         "quarantined": [
             {"case": trial.case.to_json(), "reason": result.failure and result.failure.reason}
             for trial, result in campaign.progress.quarantined
@@ -195,10 +199,10 @@ def _write_page(campaign: Campaign, results: Sequence[FamilyFound], argv: Sequen
     """failures.json, the episodes of the failures that count, and stress.html."""
     records, shown = [], []
     for result in results:
-        episodes = shown_failures(result.found, result.files, campaign.system, campaign.fidelity)
+        episodes = shown_failures(result.found, result.files, campaign.system, result.fidelity)
         shown += list(episodes.values())
         records.append(
-            search_record(result.search, result.found, result.files, campaign.fidelity, episodes)
+            search_record(result.search, result.found, result.files, result.fidelity, episodes)
         )
     if shown:
         campaign.progress.start("episodes of the page", len(shown))
@@ -222,7 +226,7 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound]) -> None:
         search = result.search
         failed = sum(bool(e.result.failed) for e in search.evaluations)
         out.print(
-            f"{search.space.family.name}: {count(search.runs, 'run')} in {campaign.fidelity}, "
+            f"{search.space.family.name}: {count(search.runs, 'run')} in {result.fidelity}, "
             f"{failed} of {len(search.evaluations)} points fail, "
             f"{count(len(search.failures), 'distinct failure')} (ended by {search.ended})",
             highlight=False,

@@ -40,12 +40,14 @@ def row_ends(part: Floats, blob: Floats, step: float, down_px: float = 0.0) -> R
 
 def _ends(pixels: Floats, step: float, down_px: float) -> tuple[int, Floats]:
     rows = np.rint((pixels[:, 1] - down_px) / step).astype(int)
-    low = int(rows.min())
-    ends = np.full((int(rows.max()) - low + 1, 2), np.inf)
-    np.minimum.at(ends[:, 0], rows - low, pixels[:, 0])
-    np.minimum.at(ends[:, 1], rows - low, -pixels[:, 0])
-    ends[:, 1] *= -1.0
-    return low, np.where(np.isfinite(ends), ends, np.nan)
+    order = np.argsort(rows, kind="stable")
+    rows, x = rows[order], pixels[order, 0]
+    starts = np.flatnonzero(np.diff(rows, prepend=rows[0] - 1))
+    low = int(rows[0])
+    ends = np.full((int(rows[-1]) - low + 1, 2), np.nan)
+    ends[rows[starts] - low, 0] = np.minimum.reduceat(x, starts)
+    ends[rows[starts] - low, 1] = np.maximum.reduceat(x, starts)
+    return low, ends
 
 
 def disparity(left: RowEnds, right: RowEnds) -> float | None:

@@ -8,6 +8,7 @@ from pjpdaf.arrays import Floats
 from pjpdaf.tracker.hypotheses.parameters import FRAME_S
 
 LARGEST_SD_M = 0.5
+EYE = np.eye(3)
 
 
 def steps(dt_s: float, deviations_m: tuple[float, ...]) -> Floats:
@@ -53,15 +54,11 @@ def correct(
     log = log_likelihood(point - mean, P + C, weights, variances)
     weight = np.exp(log - log.max())
     share = weight / weight.sum()
-    means, covariances = [], []
-    for variance in variances:
-        prior = P + variance * np.eye(3)
-        K = prior @ np.linalg.inv(prior + C)
-        means.append(mean + K @ (point - mean))
-        covariances.append((np.eye(3) - K) @ prior)
-    centre = np.einsum("k,ki->i", share, np.array(means))
-    off = np.array(means) - centre
-    total = np.einsum("k,kij->ij", share, np.array(covariances)) + np.einsum(
-        "k,ki,kj->ij", share, off, off
-    )
+    prior = P + variances[:, None, None] * EYE  # (modes, 3, 3)
+    K = prior @ np.linalg.inv(prior + C)
+    means = mean + K @ (point - mean)
+    covariances = (EYE - K) @ prior
+    centre = np.einsum("k,ki->i", share, means)
+    off = means - centre
+    total = np.einsum("k,kij->ij", share, covariances) + np.einsum("k,ki,kj->ij", share, off, off)
     return centre, np.asarray(0.5 * (total + total.T))

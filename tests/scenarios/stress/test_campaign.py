@@ -7,6 +7,7 @@ import pytest
 from pjpdaf.errors import BenchError
 from scenarios.execute.code_digest import code_digest, plug_in_digest
 from scenarios.stress.campaign import (
+    Campaign,
     CampaignRequest,
     default_folder,
     families_of,
@@ -98,3 +99,12 @@ def test_digests_of_code():
     assert len(code_digest()) == 64
     assert plug_in_digest("thesis") == ""
     assert plug_in_digest("no_such_module_at_all:x") == ""
+
+
+def test_what_fast_does_not_know_is_searched_in_full_unless_asked_for():
+    for fidelity, expected in ((None, ["fast", "full"]), ("fast", ["fast", "fast"])):
+        request = CampaignRequest("search", "cross,nuisances", fidelity=fidelity)
+        campaign = Campaign(
+            request, spaces_of(request), request.system, None, fidelity_of(request), *[None] * 3
+        )
+        assert [campaign.fidelity_for(space) for space in campaign.spaces] == expected

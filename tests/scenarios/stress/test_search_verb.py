@@ -18,7 +18,7 @@ WORDS = ("stress", "cross", "search", "--preset", "thesis", "--set", "frames=6",
 
 
 def test_a_search_ends_with_its_files_and_goes_on_after_a_kill(tmp_path, monkeypatch):
-    """Killed with -9 in the middle; 3 workers then give the bytes that 1 gives in one go."""
+    """Killed with -9 in the middle; 4 workers then give the bytes that 1 gives in one go."""
     monkeypatch.chdir(tmp_path)
     words = (*WORDS, "--budget", "24", "--find", "lost")
     killed = started(*words, "--jobs", "1", "--out", "killed", cwd=tmp_path)
@@ -27,7 +27,7 @@ def test_a_search_ends_with_its_files_and_goes_on_after_a_kill(tmp_path, monkeyp
     killed.send_signal(signal.SIGKILL)
     killed.communicate()
     size = journal.stat().st_size
-    again = in_this_process(*words, "--jobs", "3", "--out", "killed")
+    again = in_this_process(*words, "--jobs", "4", "--out", "killed")
     assert again.returncode == 0, again.stderr
     assert journal.stat().st_size > size
     assert "cross: 24 runs in fast" in again.stdout

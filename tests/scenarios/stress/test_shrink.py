@@ -59,7 +59,7 @@ def test_a_form_at_the_edge_goes_back_until_other_noise_bears_it_out():
 
     def one(case):
         lucky = np.random.default_rng(case.seed).random()
-        bad = lucky < (case.values["speed"] - 0.3) / 0.2
+        bad = lucky < (case.values["speed"] - 0.2) / 0.25
         robustness = Robustness(
             -1.0 if bad else 1.0, 1.0, 1.0, (1.0,) * 3, (0.1, 1.0, 1.0), (20 if bad else -1,) * 6
         )
