@@ -1,21 +1,19 @@
-"""The summary of a run: a row per scenario and target, as records and for the terminal."""
+"""The summary of a run: a row per scenario and target, as records."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from rich import box
-from rich.table import Table
-from rich.text import Text
 
 from pjpdaf.targets import HEAD, TARGETS
 from reports.run.load import SavedRun
 from reports.score.records import STAGES
 from reports.score.score import quantile
-from reports.summary.text import ALL, LABELS, count, number, percent
+from reports.summary.text import ALL, count, number, percent
 
 
 @dataclass(frozen=True)
@@ -60,7 +58,8 @@ class StageTimes:
 class Summary:
     """rows: per scenario head, right, left, all; total: the same over all scenarios.
 
-    lag_frames: by which the estimates came later than their frames.
+    hands_mm: scenario (and "all") -> median 3-D error of both hands [mm]. lag_frames: by which the
+    estimates came later than their frames.
     """
 
     name: str
@@ -68,6 +67,7 @@ class Summary:
     complete: bool
     rows: tuple[SummaryRow, ...]
     total: tuple[SummaryRow, ...]
+    hands_mm: Mapping[str, float]
     times: tuple[StageTimes, ...]
     total_times: StageTimes
     failures: tuple[tuple[str, int, str], ...]
@@ -101,6 +101,7 @@ def summarise(run: SavedRun) -> Summary:
         complete=bool(run.meta["complete"]),
         rows=tuple(rows),
         total=tuple(_rows(ALL, run.frames, run.episodes)),
+        hands_mm={ALL: _hands_mm(run.frames)} | {name: _hands_mm(frames[name]) for name in frames},
         times=tuple(_times(n, [t for t in timing if t["scenario"] == n]) for n in scenarios),
         total_times=_times(ALL, timing),
         failures=tuple(
@@ -128,52 +129,6 @@ def verdict(summary: Summary) -> str:
     if overall.failed:
         parts.append(f"{overall.failed} without a result")
     return "; ".join(parts) + "."
-
-
-def rich_table(summary: Summary) -> Table:
-    """The summary for the terminal; names are printed as they are, never as mark-up."""
-    table = Table(
-        title=Text(f"Run {summary.name}{_lag_text(summary)}"),
-        title_justify="left",
-        box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-    )
-    table.add_column("scenario,\nrender/detect/\ntrack", overflow="fold", min_width=16)
-    table.add_column("target", no_wrap=True)
-    for heading in ("frames", "median\nmm", "90 %\nmm", "Err_acc\npx", "within\n100 mm"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    for heading in ("ever\nswapped", "ever\nlost"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    blocks = [(t, [r for r in summary.rows if r.scenario == t.scenario]) for t in summary.times]
-    if len(blocks) != 1:
-        blocks.append((summary.total_times, list(summary.total)))
-    for times, rows in blocks:
-        timed = f"{time_text(times).replace(' ', '')} ms"
-        for row in rows:
-            # Eighty columns: the times have no column of their own.
-            left = {"head": Text(row.scenario), "right_hand": Text(timed, style="dim")}
-            table.add_row(
-                left.get(row.target, ""),
-                LABELS[row.target].removesuffix(" hand"),
-                str(row.frames),
-                number(row.median_mm),
-                number(row.p90_mm),
-                number(row.err_acc_px),
-                percent(row.within_100),
-                "-" if row.swapped is None else f"{row.swapped}/{row.episodes}",
-                f"{row.lost}/{row.episodes}",
-                end_section=row.target == ALL,
-                style="bold" if row.target == ALL else "",
-            )
-    if summary.failures:
-        table.caption = Text(f"{count(len(summary.failures), 'episode')} gave no result")
-    return table
-
-
-def _lag_text(summary: Summary) -> str:
-    lag = summary.lag_frames
-    return f", estimates {count(lag, 'frame')} later" if lag else ""
 
 
 def time_text(times: StageTimes) -> str:
@@ -209,6 +164,11 @@ def _rows(scenario: str, frames: pd.DataFrame, episodes: pd.DataFrame) -> list[S
             )
         )
     return rows
+
+
+def _hands_mm(frames: pd.DataFrame) -> float:
+    hands = frames[frames["target"] != TARGETS[HEAD]]
+    return quantile(hands["error_mm"].to_numpy(dtype=np.float64), 0.5)
 
 
 def _share(part: int, whole: int) -> float:

@@ -33,6 +33,9 @@ Detections = Annotated[
         help="2-D detections of another detector, CSV or Parquet, in place of --detector.",
     ),
 ]
+ByTarget = Annotated[
+    bool, typer.Option("--by-target", help="Print a row for each target of each scenario.")
+]
 Lag = Annotated[
     int,
     typer.Option(

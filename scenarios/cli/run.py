@@ -11,6 +11,7 @@ import typer
 from pjpdaf.errors import BenchError
 from pjpdaf.presets.names import DEFAULT_PRESET
 from scenarios.cli.options import (
+    ByTarget,
     Detections,
     Jobs,
     Lag,
@@ -84,6 +85,7 @@ def run(
             help="Instead: go on with the unfinished run of this folder; so does its command.",
         ),
     ] = None,
+    by_target: ByTarget = False,
 ) -> None:
     """Play scenarios, score them, print the table, save the run and its report.
 
@@ -96,7 +98,7 @@ def run(
 
     if resume is not None:
         asked = (targets, seeds, settings, out, only, from_, detections, first_seed, slim)
-        if any((*asked, films, lag, no_cache)) or preset != DEFAULT_PRESET:
+        if any((*asked, films, lag, no_cache, by_target)) or preset != DEFAULT_PRESET:
             raise BenchError(
                 "--resume goes on with what was asked for: beside it only --jobs, --time-limit, "
                 "and --tracker or --detector, which must be the same"
@@ -127,6 +129,7 @@ def run(
             argv=tuple(sys.argv[1:]),
             slim=slim,
             time_limit_s=EPISODE_TIME_LIMIT_S if time_limit is None else time_limit,
+            by_target=by_target,
         )
     )
 
@@ -176,6 +179,7 @@ def score(
         str,
         typer.Option(help="Of positions: world, or left (the left camera's, as `track` writes)."),
     ] = "world",
+    by_target: ByTarget = False,
 ) -> None:
     """Score anyone's tracks on a data set, save them as a run with its report.
 
@@ -184,4 +188,4 @@ def score(
     """
     from scenarios.tracks.score import ScoreRequest, score_tracks
 
-    score_tracks(ScoreRequest(dataset, tracks, out, frame, tuple(sys.argv[1:])))
+    score_tracks(ScoreRequest(dataset, tracks, out, frame, tuple(sys.argv[1:]), by_target))

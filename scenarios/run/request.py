@@ -24,7 +24,8 @@ class RunRequest:
     """Arguments of `run`; None: the default.
 
     plan: the episodes; jobs: worker processes; out: folder of the saved run; argv: the command
-    line, for run.json; slim: save only what `compare` needs; time_limit_s: of one episode.
+    line, for run.json; slim: save only what `compare` needs; time_limit_s: of one episode;
+    by_target: print a row for each target.
     """
 
     plan: PlanRequest = field(default_factory=PlanRequest)
@@ -34,6 +35,7 @@ class RunRequest:
     argv: tuple[str, ...] = ()
     slim: bool = False
     time_limit_s: float = EPISODE_TIME_LIMIT_S
+    by_target: bool = False
 
 
 def write_request(path: Path, request: RunRequest) -> None:

@@ -15,7 +15,8 @@ from reports.run.load import SavedRun
 from reports.run.rows import EpisodeRows
 from reports.summary.budget import budget_of
 from reports.summary.causes import blame_lines, budget_line
-from reports.summary.tables import rich_table, summarise
+from reports.summary.tables import summarise
+from reports.summary.terminal import scenario_table, target_table
 from reports.summary.text import count
 from scenarios.cache.report import origin_line
 from scenarios.cache.settings import cache_settings
@@ -131,7 +132,8 @@ def _print_results(
     workers: int,
 ) -> None:
     out = Console()
-    out.print(rich_table(summarise(saved)))
+    table = target_table if request.by_target else scenario_table
+    out.print(table(summarise(saved)))
     for line in blame_lines(saved.events):
         out.print(f"to blame for {line}", highlight=False)
     if (budget := budget_of(saved)) is not None:

@@ -16,7 +16,8 @@ from reports.run.load import load
 from reports.run.rows import EpisodeRows, rows_of
 from reports.run.save import RunInfo, check_free, save
 from reports.score.records import Episode, FrameOutcome, OverlayPicture
-from reports.summary.tables import rich_table, summarise
+from reports.summary.tables import summarise
+from reports.summary.terminal import scenario_table, target_table
 from reports.summary.text import count
 from scenarios.console.folder import default_folder
 from scenarios.console.interrupts import interrupts, unwritten_if_interrupted
@@ -44,13 +45,17 @@ from sim.dataset.stored_sequence import StoredSequence
 
 @dataclass(frozen=True)
 class ScoreRequest:
-    """The options of `score`; frame: of `FRAMES`, in which the positions are."""
+    """The options of `score`.
+
+    frame: of `FRAMES`, in which the positions are; by_target: print a row for each target.
+    """
 
     dataset: Path
     tracks: Path
     out: Path | None = None
     frame: str = "world"
     argv: tuple[str, ...] = ()
+    by_target: bool = False
 
 
 def score_tracks(request: ScoreRequest) -> None:
@@ -91,7 +96,8 @@ def score_tracks(request: ScoreRequest) -> None:
         saved = load(save(folder, rows, _info(request, dataset, folder, identities)))
         page = write_page([saved], folder / "report.html")
     out = Console()
-    out.print(rich_table(summarise(saved)))
+    table = target_table if request.by_target else scenario_table
+    out.print(table(summarise(saved)))
     frames = sum(row.frame_count for row in rows)
     summary = f"{count(len(rows), 'sequence')}, {count(frames, 'stereo frame')} scored"
     for line in (summary, *(f"note: {note}" for note in notes), f"report: {page}"):

@@ -1,16 +1,14 @@
 """The summary: shares of all frames, episodes that gave nothing counted."""
 
-import io
 import math
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 from reports.run.load import load
 from reports.run.save import RunInfo, save
 from reports.score.records import EpisodeFailure
-from reports.summary.tables import rich_table, summarise, verdict
+from reports.summary.tables import summarise, verdict
 from reports.summary.text import number, percent
 
 
@@ -54,6 +52,12 @@ def test_swaps_losses_and_failures(summary):
     assert summary.failures == (("cross", 1, "timed out"),)
 
 
+def test_the_hands_have_a_median_of_their_own(summary):
+    assert summary.hands_mm["calm"] == pytest.approx(20)
+    assert summary.hands_mm["cross"] > 100
+    assert summary.hands_mm["all"] == pytest.approx(20)
+
+
 def test_times(summary):
     assert summary.times[0].render_ms == pytest.approx(30)
     assert summary.total_times.track_ms == pytest.approx(4)
@@ -66,22 +70,10 @@ def test_verdict_in_one_line(summary):
     )
 
 
-def test_terminal_table_fits_80_columns_and_prints_names_as_they_are(episode_of, tmp_path):
-    run = save(tmp_path / "run", [episode_of(scenario="[red]cross[/red]")], RunInfo("n[b]"))
-    text = io.StringIO()
-    Console(file=text, width=80).print(rich_table(summarise(load(run))))
-    lines = text.getvalue().splitlines()
-    assert max(len(line.rstrip()) for line in lines) <= 80
-    assert "[red]cross[/red]" in text.getvalue().replace("\n", "")
-    assert "100 %" in text.getvalue()
-    assert "…" not in text.getvalue()
-
-
 def test_a_run_without_episodes_has_a_summary(tmp_path):
     summary = summarise(load(save(tmp_path / "run", [], RunInfo("none"))))
     assert summary.overall.frames == 0
     assert verdict(summary) == "0 episodes, none with a result."
-    rich_table(summary)
 
 
 def test_numbers():
