@@ -13,7 +13,6 @@ from pjpdaf.errors import BenchError
 from reports.score.robustness import Goal, measures_of
 from reports.stress.page import write_stress_page
 from reports.stress.records import CompareFile, CompareRecord, MapRecord, write_record
-from reports.stress.words import GOAL_SHORT
 from scenarios.play.job import System
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign, spaces_of
 from scenarios.stress.case import Case, Trial, TrialResult
@@ -152,17 +151,17 @@ def _failed(result: TrialResult, goal: Goal) -> bool:
 def _table(records: Sequence[CompareRecord]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     for heading in ("family", "of"):
-        table.add_column(heading, overflow="fold")
-    for heading in ("both", "only A", "only B", "neither", "P(B) - P(A), 95 %", "p"):
+        table.add_column(heading, no_wrap=True)
+    for heading in ("both", "A", "B", "none", "P(B) - P(A) [%]", "p"):
         table.add_column(heading, justify="right", no_wrap=True)
     for r in records:
         table.add_row(
             r.family,
-            GOAL_SHORT[r.goal],
+            r.goal,
             *(str(n) for n in (r.both, r.only_a, r.only_b, r.neither)),
-            f"{100 * r.difference:+.1f} % ({100 * r.low:+.1f} to {100 * r.high:+.1f})",
-            f"{r.p_value:.2g}",
+            f"{100 * r.difference:+.1f} ({100 * r.low:+.1f} to {100 * r.high:+.1f})",
+            f"{r.p_value:.1g}",
         )
     if records:
-        table.caption = f"A: {records[0].a}; B: {records[0].b}"
+        table.caption = f"failed: both, A = {records[0].a} only, B = {records[0].b} only, none"
     return table

@@ -16,7 +16,7 @@ from pjpdaf.errors import BenchError
 from reports.score.robustness import Goal, measures_of
 from reports.stress.page import write_stress_page
 from reports.stress.records import EstimateFile, EstimateRecord, write_record
-from reports.stress.words import GOAL_SHORT, interval_text
+from reports.stress.words import GOAL_SHORT, interval_text, share_text
 from scenarios.spec.suggestion import did_you_mean
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
 from scenarios.stress.case import Case, Fidelity, Trial, TrialResult
@@ -73,6 +73,8 @@ def estimate_verb(request: EstimateRequest) -> int:
         page = write_stress_page([campaign.folder], campaign.folder / "stress.html")
         out = Console()
         out.print(_table(records))
+        for line in _reservations(records):
+            out.print(line, highlight=False)
         out.print(f"page: {page}", highlight=False, soft_wrap=True)
     return INCONCLUSIVE if any(r.verdict == "inconclusive" for r in records) else 0
 
@@ -197,22 +199,28 @@ def _record(
 def _table(records: Sequence[EstimateRecord]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     for heading in ("family", "of", "95 % interval"):
-        table.add_column(heading, overflow="fold")
-    for heading in ("runs", "failed", "ESS", "full: fast\nfailed", "full: fast\npassed"):
+        table.add_column(heading, no_wrap=True)
+    for heading in ("runs", "failed", "in full: of fast\nfailed, passed"):
         table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("")
     for r in records:
+        pairs = (r.full_failing, r.full_passing)
         table.add_row(
             r.family,
-            GOAL_SHORT[r.goal],
+            r.goal,
             interval_text(r.p, r.low, r.high),
             str(r.runs),
             str(r.failures),
-            f"{r.ess:.0f}",
-            *(
-                "-" if pair is None else f"{pair[0]}/{pair[1]}"
-                for pair in (r.full_failing, r.full_passing)
-            ),
-            "" if r.verdict != "inconclusive" else "inconclusive",
+            ", ".join("-" if pair is None else f"{pair[0]}/{pair[1]}" for pair in pairs),
         )
     return table
+
+
+def _reservations(records: Sequence[EstimateRecord]) -> list[str]:
+    """A line for each inconclusive estimate."""
+    return [
+        f"inconclusive: {r.family} {GOAL_SHORT[r.goal]}: {r.ess:.0f} effective failures, largest "
+        f"weight {share_text(r.largest_weight)}; give it more --runs"
+        + (" and --full" if r.full_failing is not None else "")
+        for r in records
+        if r.verdict == "inconclusive"
+    ]

@@ -52,11 +52,12 @@ def shrink_verb(request: ShrinkRequest) -> None:
         space, case = campaign.spaces[0], case_of(record)
         space = Space.of(space.family, ["fps"] if "fps" in case.values else [])
         campaign.progress.start(f"{record.name}: shrink")
-        evaluator = Evaluator(campaign.runner, campaign.system, campaign.fidelity)
+        fidelity = campaign.fidelity_for(space)
+        evaluator = Evaluator(campaign.runner, campaign.system, fidelity)
         shrunk = shrink(
             space, case, record.event, evaluator.evaluate, request.fresh, campaign.request.seed
         )
-        _print(out, shrunk, space, campaign.fidelity)
+        _print(out, shrunk, space, fidelity)
         for name, kept, survival in (
             ("minimal", shrunk.minimal, shrunk.minimal_survival),
             ("severe", shrunk.severe, shrunk.severe_survival),
@@ -65,7 +66,7 @@ def shrink_verb(request: ShrinkRequest) -> None:
                 path = campaign.folder / f"{name}.yaml"
                 note = (
                     f"the {name} form of {record.name}; fails with {survival.text} fresh noise "
-                    f"seeds in {campaign.fidelity}"
+                    f"seeds in {fidelity}"
                 )
                 title = f"{record.name}_{name}"[:60]
                 form = corpus_case(title, kept, system, record.event, record.rho, "open", note)

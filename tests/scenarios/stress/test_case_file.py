@@ -60,7 +60,7 @@ def changed(tmp_path, old, new):
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [
-        ("format: 1", "format: 2", "c.yaml:2:1: is a corpus file of format 2; this version reads"),
+        ("format: 1", "format: 2", "c.yaml:1:1: is a corpus file of format 2; this version reads"),
         ("event: swap", "event: swop", "event: must be one of"),
         ("event: swap", "event: swop", "did you mean swap?"),
         ("status: open", "status: closed", "status: must be one of open, fixed"),
