@@ -18,6 +18,7 @@ from pjpdaf.interfaces import AnyTracker, Detector
 from pjpdaf.presets.flat import flat_names
 from pjpdaf.presets.override import override
 from pjpdaf.presets.registry import PRESETS, find_preset
+from pjpdaf.printable import printable
 from pjpdaf.tracker.filter import PJPDAF
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 from pjpdaf.tracker.hypotheses.tracker import HypothesisTracker
@@ -43,7 +44,9 @@ class NoSuchPlugIn(PlugInError):
 def describe_exception(fault: BaseException) -> str:
     """Describe an exception of a user's code in one line: type, text, file and line number."""
     try:
-        text = " ".join(str(fault).split())
+        # Of a BenchError the text as it was raised, before its line breaks were escaped.
+        raised = super(BenchError, fault).__str__() if isinstance(fault, BenchError) else str(fault)
+        text = printable(" ".join(raised.split()))
     except Exception:  # of their own __str__
         text = ""
     stack = traceback.extract_tb(fault.__traceback__)[1:]  # the first is the caller's `try`
