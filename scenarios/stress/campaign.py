@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
+
+from rich.console import Console
 
 from pjpdaf.errors import BenchError
 from pjpdaf.plugins.registry import make_detector, make_tracker
@@ -21,6 +23,7 @@ from scenarios.execute.code_digest import code_digest, plug_in_digest
 from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
 from scenarios.execute.journal import Journal
 from scenarios.execute.local import local_executor, worker_count
+from scenarios.play.fast_trust import fast_trust
 from scenarios.play.job import System
 from scenarios.play.settings import read_settings
 from scenarios.spec.draw import SETTINGS
@@ -111,9 +114,10 @@ class Campaign:
     progress: Progress
 
     def fidelity_for(self, space: Space) -> Fidelity:
-        """The fidelity of a family: full where fast does not know what varies, unless asked for."""
-        asked = self.request.fidelity is not None
-        return self.fidelity if asked or space.family.fast else "full"
+        """The fidelity of a family: full where fast does not predict it, unless asked for."""
+        if self.request.fidelity is not None or fast_fault(self.request, space) is None:
+            return self.fidelity
+        return "full"
 
 
 def families_of(target: str) -> tuple[StressFamily, ...]:
@@ -169,6 +173,7 @@ def open_campaign(request: CampaignRequest, total: int | None = None) -> Iterato
         if tested is not None:
             _check(tested)
     folder = request.out or default_folder(request, request.identity())
+    _say_fidelities(request, spaces, fidelity)
     with (
         interrupts() as arrived,
         Journal.open(folder, request.code()) as journal,
@@ -197,6 +202,31 @@ def fidelity_of(request: CampaignRequest) -> Fidelity:
             "out"
         )
     return request.fidelity or ("fast" if can_be_fast else "full")
+
+
+def fast_fault(request: CampaignRequest, space: Space) -> str | None:
+    """Why fast does not predict what pictures show in a family; None where it does."""
+    if not space.family.fast:
+        return "fast does not know what varies"
+    trust = fast_trust(request.detector).get(space.family.name)
+    if trust is None or trust.trusted:
+        return None
+    agreeing = trust.episodes - trust.only_full - trust.only_fast
+    return f"fast agreed with rendered pictures in {agreeing} of {trust.episodes} episodes"
+
+
+def _say_fidelities(request: CampaignRequest, spaces: Sequence[Space], fidelity: Fidelity) -> None:
+    """Say which families are played in full although others are fast."""
+    if request.fidelity is not None or fidelity == "full":
+        return
+    out = Console(stderr=True)
+    for space in spaces:
+        if fault := fast_fault(request, space):
+            out.print(
+                f"{space.family.name}: played in full: {fault}; --fidelity fast plays it fast",
+                highlight=False,
+                soft_wrap=True,
+            )
 
 
 def default_folder(request: CampaignRequest, identity: str) -> Path:

@@ -100,9 +100,10 @@ def _compared(campaign: Campaign, space: Space, request: CompareRequest) -> list
     latents = normal_draws(seed, f"{name}/compare", request.runs, len(space.axes))
     seeds = noise_seeds(seed, f"{name}/compare", request.runs).tolist()
     cases = [Case(name, space.values_of_latent(z), s) for z, s in zip(latents, seeds, strict=True)]
+    ones, others = (_run(campaign, space, cases, system) for system in (a, b))
     pairs = [
         (one, other)
-        for one, other in zip(_run(campaign, cases, a), _run(campaign, cases, b), strict=True)
+        for one, other in zip(ones, others, strict=True)
         if one.robustness is not None and other.robustness is not None
     ]
     records = []
@@ -120,7 +121,7 @@ def _compared(campaign: Campaign, space: Space, request: CompareRequest) -> list
             CompareRecord(
                 family=name,
                 goal=goal,
-                fidelity=campaign.fidelity,
+                fidelity=campaign.fidelity_for(space),
                 a=system_text(a),
                 b=system_text(b),
                 **asdict(counts),
@@ -136,12 +137,15 @@ def _mapped(campaign: Campaign, space: Space, plan: MapPlan, system: System) -> 
     """The map of a system; never refined, so that both have the same cells and draws."""
     campaign.progress.start(f"{space.family.name}: map of {system_text(system)}")
     even = replace(plan, refine=0)
-    cells, runs = explore(space, even, lambda cases: _run(campaign, cases, system))
-    return map_record(space, even, campaign.fidelity, cells, runs, {}, {}, "")
+    cells, runs = explore(space, even, lambda cases: _run(campaign, space, cases, system))
+    return map_record(space, even, campaign.fidelity_for(space), cells, runs, {}, {}, "")
 
 
-def _run(campaign: Campaign, cases: Sequence[Case], system: System) -> list[TrialResult]:
-    return campaign.runner.run([Trial(case, system, campaign.fidelity) for case in cases])
+def _run(
+    campaign: Campaign, space: Space, cases: Sequence[Case], system: System
+) -> list[TrialResult]:
+    fidelity = campaign.fidelity_for(space)
+    return campaign.runner.run([Trial(case, system, fidelity) for case in cases])
 
 
 def _failed(result: TrialResult, goal: Goal) -> bool:

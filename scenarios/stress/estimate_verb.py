@@ -91,17 +91,18 @@ def _estimate(
     campaign: Campaign, space: Space, goal: Goal, request: EstimateRequest, method: MethodChoice
 ) -> EstimateRecord:
     name, seed = space.family.name, campaign.request.seed
+    fidelity = campaign.fidelity_for(space)
     campaign.progress.start(f"{name}: {GOAL_SHORT[goal]}", request.runs)
 
     def play(latents: Floats, seeds: NDArray[np.int64]) -> Outcomes:
         cases = _cases(space, latents, seeds)
-        return outcomes_of(_run(campaign, cases, campaign.fidelity), goal)
+        return outcomes_of(_run(campaign, cases, fidelity), goal)
 
     probability, sample = estimate(
         play, len(space.axes), request.runs, seed, method, stream=f"{name}/"
     )
     record = _record(campaign, space, goal, probability, request)
-    if campaign.fidelity == "full" or request.full == 0:
+    if fidelity == "full" or request.full == 0:
         return record
     return _corrected(campaign, space, goal, request.full, probability, sample, record)
 
@@ -181,7 +182,7 @@ def _record(
     return EstimateRecord(
         family=space.family.name,
         goal=goal,
-        fidelity=campaign.fidelity,
+        fidelity=campaign.fidelity_for(space),
         p=probability.p,
         low=probability.low,
         high=probability.high,

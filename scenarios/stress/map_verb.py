@@ -101,10 +101,11 @@ def check_spaces(spaces: Sequence[Space], plan: MapPlan) -> None:
 def _mapped(campaign: Campaign, space: Space, request: MapRequest) -> tuple[MapRecord, list[Shown]]:
     """The map of a family, and the trials that the page plays."""
     plan, name = request.plan, space.family.name
+    fidelity = campaign.fidelity_for(space)
     campaign.progress.start(f"{name}: map")
 
     def evaluate(cases: Sequence[Case]) -> Sequence[TrialResult]:
-        trials = [Trial(case, campaign.system, campaign.fidelity) for case in cases]
+        trials = [Trial(case, campaign.system, fidelity) for case in cases]
         return campaign.runner.run(trials)
 
     cells, runs = explore(space, plan, evaluate)
@@ -114,12 +115,12 @@ def _mapped(campaign: Campaign, space: Space, request: MapRequest) -> tuple[MapR
     for place in _chosen(cells, plan, request.episodes):
         case = cells[place].cases[cells[place].shown(plan.goal)]
         words = " ".join(f"{n} {case.values[n]}" for n in (plan.x, plan.y) if n is not None)
-        trial = Trial(case, campaign.system, campaign.fidelity)
+        trial = Trial(case, campaign.system, fidelity)
         shown.append(Shown(f"{name}: {words}", trial))
         keys[place] = shown[-1].key
         commands[place] = replay_command(case, campaign.system)
     record = map_record(
-        space, plan, campaign.fidelity, cells, runs, keys, commands, command_text(request.argv)
+        space, plan, fidelity, cells, runs, keys, commands, command_text(request.argv)
     )
     return record, shown
 

@@ -89,6 +89,10 @@ def _fast(job: Job, key: str) -> TrialResult:
 
 
 def _full(job: Job, key: str) -> TrialResult:
+    # Values that cannot be posed are not replaced by another draw: it would be another case.
+    fault = fault_of_draw(job.scenario, job.seed, job.overrides)
+    if fault is not None:
+        return _failure(key, "unposable", fault)
     with open_footage(job) as footage:
         detector, tracker = make_system(job.system, footage.calibration)
         result = result_of(key, episode := play_footage(job, footage, detector, tracker))

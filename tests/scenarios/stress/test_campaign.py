@@ -9,8 +9,10 @@ from scenarios.execute.code_digest import code_digest, plug_in_digest
 from scenarios.stress.campaign import (
     Campaign,
     CampaignRequest,
+    _say_fidelities,
     default_folder,
     families_of,
+    fast_fault,
     fidelity_of,
     open_campaign,
     spaces_of,
@@ -108,3 +110,14 @@ def test_what_fast_does_not_know_is_searched_in_full_unless_asked_for():
             request, spaces_of(request), request.system, None, fidelity_of(request), *[None] * 3
         )
         assert [campaign.fidelity_for(space) for space in campaign.spaces] == expected
+
+
+def test_a_family_that_fast_does_not_predict_is_played_in_full_and_the_reason_is_printed(capsys):
+    request = CampaignRequest("search", "cross,recorded", detector="thesis", tracker="thesis")
+    cross, recorded = spaces_of(request)
+    assert fast_fault(request, cross) is None
+    assert "fast agreed with rendered pictures in" in str(fast_fault(request, recorded))
+    _say_fidelities(request, (cross, recorded), "fast")
+    assert capsys.readouterr().err.startswith("recorded: played in full: fast agreed")
+    _say_fidelities(replace(request, fidelity="fast"), (cross, recorded), "fast")
+    assert capsys.readouterr().err == ""
