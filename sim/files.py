@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import errno
+import hashlib
 import os
 import re
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -75,6 +76,15 @@ def written_whole_file(path: Path, content: str, *, replace: bool = False) -> It
 def part_folder(path: Path) -> Path:
     """Make a hidden folder beside `path`, on the same disk, to write into. Raises OSError."""
     return Path(tempfile.mkdtemp(prefix=f".{path.name}.part-", dir=path.parent))
+
+
+def files_digest(root: Path, paths: Iterable[Path]) -> str:
+    """SHA-256 of the contents of files and of their names from `root`, in any order of `paths`."""
+    digest = hashlib.sha256()
+    for name, path in sorted((path.relative_to(root).as_posix(), path) for path in paths):
+        content = hashlib.sha256(path.read_bytes()).hexdigest()
+        digest.update(f"{content}  {name}\n".encode())
+    return digest.hexdigest()
 
 
 def _final_path(path: Path) -> Path:

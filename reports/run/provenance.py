@@ -38,10 +38,10 @@ def provenance(argv: Sequence[str] = (), renderer: str = "") -> dict[str, object
     }
 
 
-def package_versions() -> dict[str, str]:
-    """Versions of `PACKAGES`, as far as they are installed."""
+def package_versions(names: Sequence[str] = PACKAGES) -> dict[str, str]:
+    """Versions of packages, as far as they are installed."""
     versions = {}
-    for name in PACKAGES:
+    for name in names:
         try:
             versions[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:

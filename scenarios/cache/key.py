@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import functools
 import hashlib
-import importlib.metadata
 import json
 import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from reports.run.provenance import package_versions
 from scenarios.cache.sources import simulator_digest
 from scenarios.spec.names import load_scenario
 from scenarios.spec.scenario import digest
@@ -65,10 +65,4 @@ def machine() -> str:
 @functools.cache
 def library_versions() -> Mapping[str, str]:
     """Versions of Python and of the libraries that compute poses and pictures."""
-    versions = {"python": platform.python_version()}
-    for name in LIBRARIES:
-        try:
-            versions[name] = importlib.metadata.version(name)
-        except importlib.metadata.PackageNotFoundError:
-            versions[name] = ""
-    return versions
+    return {"python": platform.python_version(), **package_versions(LIBRARIES)}

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import functools
-import hashlib
 from collections.abc import Iterator
 from pathlib import Path
 
 import sim
+from sim.files import files_digest
 
 # Folders and files, from the folder of the packages, that take part in drawing values, posing,
 # rendering, sensing and recording. A test compares them with what these import.
@@ -37,11 +37,7 @@ def simulator_digest() -> str:
 
 def sources_digest(root: Path) -> str:
     """SHA-256 of paths and contents of the simulator's files below the folder of the packages."""
-    digest = hashlib.sha256()
-    for path in sorted(simulator_files(root)):
-        content = hashlib.sha256((root / path).read_bytes()).hexdigest()
-        digest.update(f"{content}  {path}\n".encode())
-    return digest.hexdigest()
+    return files_digest(root, (root / path for path in simulator_files(root)))
 
 
 def simulator_files(root: Path) -> Iterator[str]:

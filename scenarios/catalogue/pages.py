@@ -24,8 +24,8 @@ from scenarios.catalogue.pictures import draw_scenarios
 from scenarios.catalogue.scenario_picture import ScenarioPicture
 from scenarios.console.folder import unfinished
 from scenarios.console.interrupts import interrupts, unwritten_if_interrupted
+from scenarios.execute.code_digest import code_digest
 from scenarios.execute.journal import Journal
-from scenarios.run.identity import code_digest
 from scenarios.spec.names import load_scenario, load_suite, scenario_names, suite_names
 from scenarios.spec.scenario import Scenario
 from sim.files import disk_faults, written_whole_file

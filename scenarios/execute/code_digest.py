@@ -1,58 +1,65 @@
-"""The digest of the code that decides results, so that kept results of other code are refused."""
+"""Digests of the code that decides results, so that kept results of other code are refused."""
 
 from __future__ import annotations
 
-import hashlib
+import functools
 import importlib.util
-from functools import cache
-from importlib.metadata import EntryPoint, entry_points
-from importlib.resources import files
+from collections.abc import Iterable
+from importlib.metadata import entry_points
 from pathlib import Path
 
-from pjpdaf.plugins.registry import DETECTORS, TRACKERS
+import sim
+from pjpdaf.presets.registry import PRESETS
+from sim.files import files_digest
 
-_PACKAGES = ("pjpdaf", "sim", "reports", "scenarios")
-# Presentation and other verbs decide no result; what is left is at worst too careful.
-_IGNORED = {
-    *("cli", "console", "page", "pictures", "summary", "rerun", "catalogue", "footage", "gate"),
-    *("corpus", "suites"),
-}
-_SUFFIXES = (".py", ".yaml", ".json", ".csv")
-
-
-@cache
-def code_digest() -> str:
-    """SHA-256 of the sources of this installation, without those of pages and other verbs."""
-    whole = hashlib.sha256()
-    for package in _PACKAGES:
-        root = Path(str(files(package)))
-        for path in sorted(root.rglob("*")):
-            parts = path.relative_to(root).parts
-            if path.suffix in _SUFFIXES and not _IGNORED.intersection(parts):
-                whole.update("/".join((package, *parts)).encode() + b"\0")
-                whole.update(hashlib.sha256(path.read_bytes()).digest())
-    return whole.hexdigest()
+PACKAGES = ("pjpdaf", "sim", "reports", "scenarios")
+# Folders of presentation and of other verbs, which decide no result of a trial.
+NO_TRIAL = frozenset(
+    {
+        *("cli", "console", "page", "pictures", "summary", "rerun", "catalogue", "footage", "gate"),
+        *("corpus", "suites"),
+    }
+)
 
 
-def plug_in_digest(name: str) -> str:
-    """SHA-256 of the file of a plug-in's module; "" for a preset, or where it has no such file.
+@functools.cache
+def code_digest(without: frozenset[str] = frozenset()) -> str:
+    """SHA-256 of the sources of our packages; without: names of folders that do not count."""
+    root = Path(str(sim.__file__)).parent.parent
+    return files_digest(
+        root,
+        (
+            path
+            for name in PACKAGES
+            for path in _sources(root / name)
+            if not without.intersection(path.relative_to(root).parts)
+        ),
+    )
 
-    name: as given to `--detector` or `--tracker`. The module is found, not imported.
+
+def plug_in_digest(name: str, group: str) -> str:
+    """SHA-256 of the module or package of a detector or tracker; "" of a preset.
+
+    group: of its entry points. Other modules that it imports are not looked at. Nothing is
+    imported: not even the package that a module is in.
     """
-    module = name.partition(":")[0] if ":" in name else _module_of_entry_point(name)
-    try:
-        spec = importlib.util.find_spec(module) if module else None
-    except (ImportError, ValueError):
+    if name in PRESETS:
         return ""
-    path = None if spec is None or spec.origin is None else Path(spec.origin)
-    return hashlib.sha256(path.read_bytes()).hexdigest() if path and path.is_file() else ""
+    module = name
+    for point in entry_points(group=group):
+        if point.name == name:
+            module = point.value
+    top = module.partition(":")[0].partition(".")[0]
+    spec = importlib.util.find_spec(top) if top else None
+    if spec is None:
+        return ""
+    if spec.submodule_search_locations:
+        folders = [Path(folder) for folder in spec.submodule_search_locations]
+        return " ".join(files_digest(folder, _sources(folder)) for folder in folders)
+    file = Path(spec.origin or "")
+    return files_digest(file.parent, [file]) if file.is_file() else ""
 
 
-def _module_of_entry_point(name: str) -> str:
-    points: list[EntryPoint] = [
-        point
-        for group in (DETECTORS, TRACKERS)
-        for point in entry_points(group=group)
-        if point.name == name
-    ]
-    return points[0].module if points else ""
+def _sources(folder: Path) -> Iterable[Path]:
+    """All files below a folder but compiled code."""
+    return (p for p in folder.rglob("*") if p.is_file() and "__pycache__" not in p.parts)

@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-import functools
 import hashlib
-import importlib.util
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-import sim
 from pjpdaf.detector.external import DetectionTable
 from pjpdaf.plugins.registry import DETECTORS, TRACKERS
-from pjpdaf.presets.registry import PRESETS
 from reports.run.provenance import provenance
+from scenarios.execute.code_digest import code_digest, plug_in_digest
 from scenarios.play.job import Job, digest_of
 from sim.dataset.files.checksums import sha256_of
 from sim.dataset.files.layout import CHECKSUMS
-
-PACKAGES = ("pjpdaf", "sim", "reports", "scenarios")
 
 
 def run_identity(jobs: Sequence[Job], preset: str) -> str:
@@ -64,43 +58,6 @@ def sequence_digest(folder: Path) -> str:
     """SHA-256 of the sums of a data set's sequence, "" where it has none."""
     path = folder / CHECKSUMS
     return sha256_of(path) if path.is_file() else ""
-
-
-@functools.cache
-def code_digest() -> str:
-    """SHA-256 of the sources of our packages."""
-    root = Path(str(sim.__file__)).parent.parent
-    return _digest([_folder_digest(root / name) for name in PACKAGES])
-
-
-def plug_in_digest(name: str, group: str) -> str:
-    """SHA-256 of the module or package of a detector or tracker; "" of a preset.
-
-    Other modules that it imports are not looked at. Nothing is imported.
-    """
-    if name in PRESETS:
-        return ""
-    module = name
-    for point in entry_points(group=group):
-        if point.name == name:
-            module = point.value
-    spec = importlib.util.find_spec(module.partition(":")[0].partition(".")[0])
-    if spec is None:
-        return ""
-    if spec.submodule_search_locations:
-        return _digest([_folder_digest(Path(p)) for p in spec.submodule_search_locations])
-    file = Path(spec.origin or "")
-    return sha256_of(file) if file.is_file() else ""
-
-
-def _folder_digest(folder: Path) -> list[tuple[str, str]]:
-    return [(path.relative_to(folder).as_posix(), sha256_of(path)) for path in _sources(folder)]
-
-
-def _sources(folder: Path) -> Iterator[Path]:
-    for path in sorted(folder.rglob("*")):
-        if path.is_file() and "__pycache__" not in path.parts:
-            yield path
 
 
 def _table(table: DetectionTable) -> Mapping[str, Any]:

@@ -14,12 +14,12 @@ from typing import Any
 from rich.console import Console
 
 from pjpdaf.errors import BenchError
-from pjpdaf.plugins.registry import make_detector, make_tracker
+from pjpdaf.plugins.registry import DETECTORS, TRACKERS, make_detector, make_tracker
 from pjpdaf.plugins.scenes import cameras_in_front
 from pjpdaf.presets.names import DEFAULT_PRESET
 from pjpdaf.presets.registry import PRESETS
 from scenarios.console.interrupts import Interrupted, interrupts
-from scenarios.execute.code_digest import code_digest, plug_in_digest
+from scenarios.execute.code_digest import NO_TRIAL, code_digest, plug_in_digest
 from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
 from scenarios.execute.journal import Journal
 from scenarios.execute.local import local_executor, worker_count
@@ -94,9 +94,16 @@ class CampaignRequest:
         The identity of a journal: a trial's key names all else, so that several verbs, of several
         systems, can share one.
         """
-        names = {self.detector, self.tracker, self.against or ""}
-        plug_ins = {name: digest for name in names if (digest := plug_in_digest(name))}
-        record = {"version": version("pjpdaf-bench"), "code": code_digest(), "plug-ins": plug_ins}
+        trackers = (self.tracker, self.against or self.tracker)
+        plug_ins = {
+            f"{group} {name}": plug_in_digest(name, group)
+            for group, name in ((DETECTORS, self.detector), *((TRACKERS, t) for t in trackers))
+        }
+        record = {
+            "version": version("pjpdaf-bench"),
+            "code": code_digest(NO_TRIAL),
+            "plug-ins": plug_ins,
+        }
         return json.dumps(record, sort_keys=True)
 
 

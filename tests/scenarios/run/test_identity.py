@@ -1,16 +1,14 @@
 """The identity of a run changes with everything that decides its results."""
 
-import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from pjpdaf.detector.external import DetectionTable
-from pjpdaf.plugins.registry import TRACKERS
 from scenarios.play.job import Job, System
 from scenarios.run import identity
-from scenarios.run.identity import job_key, plug_in_digest, run_identity
+from scenarios.run.identity import job_key, run_identity
 from scenarios.spec.names import load_scenario
 
 JOB = Job(load_scenario("cross"), 3, {"frames": 4}, System())
@@ -59,20 +57,3 @@ def test_code_and_versions_count(monkeypatch):
             patch.setattr(identity, name, value)
             assert run_identity([JOB], "default") != before
     assert run_identity([JOB], "default") == before
-
-
-def test_the_code_of_a_plug_in_counts_and_is_not_run(tmp_path, monkeypatch):
-    monkeypatch.syspath_prepend(str(tmp_path))
-    (tmp_path / "identity_mine.py").write_text("raise RuntimeError('imported')")
-    (tmp_path / "identity_package").mkdir()
-    for name in ("__init__.py", "deep.py"):
-        (tmp_path / "identity_package" / name).write_text("raise RuntimeError('imported')")
-    names = ("identity_mine:make", "identity_package.deep:make")
-    before = [plug_in_digest(name, TRACKERS) for name in names]
-    assert len({*before, ""}) == 3
-    (tmp_path / "identity_mine.py").write_text("another")
-    (tmp_path / "identity_package" / "deep.py").write_text("another")
-    after = [plug_in_digest(name, TRACKERS) for name in names]
-    assert not {*before} & {*after}
-    assert "identity_mine" not in sys.modules
-    assert plug_in_digest("thesis", TRACKERS) == plug_in_digest("no_such_module:x", TRACKERS) == ""

@@ -5,7 +5,6 @@ from dataclasses import replace
 import pytest
 
 from pjpdaf.errors import BenchError
-from scenarios.execute.code_digest import code_digest, plug_in_digest
 from scenarios.stress.campaign import (
     Campaign,
     CampaignRequest,
@@ -95,12 +94,6 @@ def test_the_folder_is_that_of_the_command(tmp_path, monkeypatch):
     before = folder(mine)
     (tmp_path / "my_own_tracker.py").write_text("make = 1\n")
     assert folder(mine) != before
-
-
-def test_digests_of_code():
-    assert len(code_digest()) == 64
-    assert plug_in_digest("thesis") == ""
-    assert plug_in_digest("no_such_module_at_all:x") == ""
 
 
 def test_what_fast_does_not_know_is_searched_in_full_unless_asked_for():
