@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from pjpdaf.detector.blob_detector import BlobDetector
 from pjpdaf.detector.detector import SkinDetector
 from pjpdaf.errors import BenchError
 from pjpdaf.follow import follow
-from pjpdaf.interfaces import Detections, Detector
+from pjpdaf.interfaces import Detector
 from pjpdaf.presets.registry import PRESETS
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
-from reports.score.records import Episode, FrameOutcome
-from scenarios.play.job import Job, System, digest_of
-from scenarios.play.play import make_system
+from reports.score.records import Episode
+from scenarios.play.job import Job, System
+from scenarios.play.play import episode_of, make_system, outcome_of
 from scenarios.play.recipe import sized
-from scenarios.spec.draw import concrete, unjudged
+from scenarios.spec.draw import unjudged
 from sim.silhouettes import blobs_with_looks, skin_blobs
 from sim.silhouettes.blobs_with_looks import BlobsWithLooks
 from sim.silhouettes.error_model import BlobErrors, ErrorModel, error_model
@@ -45,19 +43,8 @@ def play_fast(job: Job, redraw: int = 0, errors: ErrorModel | None = None) -> Ep
     outcomes = []
     for step in follow(film.frames(), stand_in, tracker, job.system.lag):
         truth = truths.of(step.frame.index, painter.paint(step.frame.index))
-        stages_s = {"render": step.render_s, "detect": step.detect_s, "track": step.track_s}
-        outcomes.append(FrameOutcome(truth, step.estimates, _slim(step.detections), stages_s))
-    return Episode(
-        scenario=job.name,
-        group=job.scenario.group,
-        seed=job.seed,
-        fps=performance.fps,
-        cameras=film.rig.cameras,
-        frames=tuple(outcomes),
-        digest=digest_of(job),
-        values=concrete(job.scenario, job.seed, job.overrides, redraw),
-        redrawn=redraw,
-    )
+        outcomes.append(outcome_of(step, truth))
+    return episode_of(job, film.rig.cameras, performance.fps, outcomes, redraw)
 
 
 def _painting(system: System) -> tuple[int, bool]:
@@ -84,8 +71,3 @@ def _stand_in(detector: Detector, painter: Painter, model: ErrorModel) -> Detect
     return BlobsWithLooks(
         film.calibration, detector.base.parameters, detector.adaptation, painter, errors
     )
-
-
-def _slim(detections: tuple[Detections, ...]) -> tuple[Detections, ...]:
-    """The detections without their looks, which no result keeps."""
-    return tuple(view if view.looks is None else replace(view, looks=None) for view in detections)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from pjpdaf.camera import StereoRig
+from pjpdaf.camera import Camera, StereoRig
 from pjpdaf.detector.external import DetectionTable, ExternalDetector
 from pjpdaf.follow import FollowedFrame, follow
 from pjpdaf.interfaces import Detections, Detector, Tracker
@@ -104,18 +104,42 @@ def play_footage(
     for_loop, for_scores = itertools.tee(footage.frames())
     steps = follow((frame for frame, _ in for_loop), learnt, tracker, job.system.lag)
     for step, (_, truth) in zip(steps, for_scores, strict=False):
-        stages_s = {"render": step.render_s, "detect": step.detect_s, "track": step.track_s}
-        slim = tuple(replace(view, mask=None, looks=None) for view in step.detections)
-        outcomes.append(FrameOutcome(truth, step.estimates, slim, stages_s))
+        outcomes.append(outcome_of(step, truth))
         on_frame(step, truth)
+    return episode_of(job, footage.rig.cameras, footage.fps, outcomes, footage.redrawn)
+
+
+def outcome_of(step: FollowedFrame, truth: Truth) -> FrameOutcome:
+    """What an episode keeps of a followed frame: detections without masks and looks."""
+    return FrameOutcome(
+        truth,
+        step.estimates,
+        tuple(
+            view
+            if view.mask is None and view.looks is None
+            else replace(view, mask=None, looks=None)
+            for view in step.detections
+        ),
+        {"render": step.render_s, "detect": step.detect_s, "track": step.track_s},
+    )
+
+
+def episode_of(
+    job: Job,
+    cameras: tuple[Camera, ...],
+    fps: float,
+    outcomes: Sequence[FrameOutcome],
+    redrawn: int,
+) -> Episode:
+    """The bare episode of a job. cameras: as they really are; redrawn: draws thrown away."""
     return Episode(
         scenario=job.name,
         group=job.scenario.group,
         seed=job.seed,
-        fps=footage.fps,
-        cameras=footage.rig.cameras,
+        fps=fps,
+        cameras=cameras,
         frames=tuple(outcomes),
         digest=digest_of(job),
-        values=concrete(job.scenario, job.seed, job.overrides, footage.redrawn),
-        redrawn=footage.redrawn,
+        values=concrete(job.scenario, job.seed, job.overrides, redrawn),
+        redrawn=redrawn,
     )
