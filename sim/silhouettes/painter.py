@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pjpdaf.interfaces import Detections
 from sim.silhouettes.film import Film
 from sim.silhouettes.outlines import Outlines, paint
 from sim.silhouettes.patches import Patches, patch_of
@@ -39,6 +41,19 @@ class Painter:
                 _painted(outlines, frame) for outlines in self.film.outlines
             )
         return self._painted[frame]
+
+    def detected(
+        self, frame: int, detect: Callable[[int, PaintedView], Detections]
+    ) -> tuple[Detections, ...]:
+        """The detections of each view of a frame; `missing` where its picture did not arrive.
+
+        detect: gives those of a view by its number.
+        """
+        arrived = self.film.moments[frame].arrived
+        return tuple(
+            detect(number, view) if arrived[number] else Detections.none(missing=True)
+            for number, view in enumerate(self.paint(frame))
+        )
 
 
 def _painted(outlines: Outlines, frame: int) -> PaintedView:

@@ -69,12 +69,8 @@ class SkinBlobs:
         self, frame: StereoFrame, predicted: Estimates | None = None
     ) -> tuple[Detections, ...]:
         """Return the detections of each view. predicted: as for `SkinDetector`."""
-        views = self.painter.paint(frame.index)
-        return tuple(
-            self._detect(frame.index, number, view, predicted)
-            if self.painter.film.moments[frame.index].arrived[number]
-            else Detections.none(missing=True)
-            for number, view in enumerate(views)
+        return self.painter.detected(
+            frame.index, lambda number, view: self._detect(frame.index, number, view, predicted)
         )
 
     def _detect(
