@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
 from typing import Any, Literal
 
 from pjpdaf.targets import TARGETS
@@ -84,7 +85,7 @@ class Trial:
     system: System
     fidelity: Fidelity
 
-    @property
+    @cached_property
     def key(self) -> str:
         """SHA-256 of all that decides the result, but for the version of the code."""
         system = self.system
