@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
+from dataclasses import replace
 from itertools import groupby
 
 import numpy as np
 
 from pjpdaf.errors import BenchError, PlugInFault
+from pjpdaf.follow import FollowedFrame
 from pjpdaf.plugins.registry import describe_exception
 from pjpdaf.targets import TARGETS
 from reports.score.events import find_events
@@ -15,13 +18,14 @@ from reports.score.records import Episode, FailureKind
 from reports.score.robustness import robustness
 from scenarios.play.blame import blame
 from scenarios.play.fast import play_fast
-from scenarios.play.footage import open_footage
+from scenarios.play.footage import Footage, open_footage
 from scenarios.play.job import Job
 from scenarios.play.play import make_system, play_footage
 from scenarios.spec.cameras import rig_of
 from scenarios.spec.draw import concrete, fault_of_draw, in_si
 from scenarios.stress.case import Trial, TrialFailure, TrialResult
 from sim.contact.contact import Unposable
+from sim.truth import Truth
 
 LEAST_VISIBLE_SHARE = 0.2  # of a target's own pixels; with fewer it counts as hidden
 
@@ -41,7 +45,11 @@ def play_trial(trial: Trial) -> TrialResult | BenchError:
     except BenchError as fault:
         return _failure(trial.key, "unposable", str(fault))  # as of a lens that shows points twice
     try:
-        result = _fast(job, trial.key) if trial.fidelity == "fast" else _full(job, trial.key)
+        if trial.fidelity == "fast":
+            result = _fast(job, trial.key)
+        else:
+            with open_footage(job) as footage:
+                result = full_result(job, trial.key, footage)
     except BenchError as fault:
         return fault
     except Unposable as fault:
@@ -50,7 +58,7 @@ def play_trial(trial: Trial) -> TrialResult | BenchError:
         return _failure(trial.key, "plug-in", str(fault))
     except (Exception, SystemExit, KeyboardInterrupt) as fault:
         return _failure(trial.key, "exception", describe_exception(fault))
-    return TrialResult(**{**vars(result), "cpu_s": time.process_time() - started})
+    return replace(result, cpu_s=time.process_time() - started)
 
 
 def result_of(key: str, episode: Episode) -> TrialResult:
@@ -88,18 +96,23 @@ def _fast(job: Job, key: str) -> TrialResult:
     return result if fault is None else _failure(key, "unposable", fault)
 
 
-def _full(job: Job, key: str) -> TrialResult:
-    # Values that cannot be posed are not replaced by another draw: it would be another case.
-    fault = fault_of_draw(job.scenario, job.seed, job.overrides)
-    if fault is not None:
-        return _failure(key, "unposable", fault)
-    with open_footage(job) as footage:
-        detector, tracker = make_system(job.system, footage.calibration)
-        result = result_of(key, episode := play_footage(job, footage, detector, tracker))
-        if not result.failed:
-            return result
-        stages = blame(episode, footage.calibration.cameras, tracker)
-    return TrialResult(**{**vars(result), "blame": stages})
+def full_result(
+    job: Job,
+    key: str,
+    footage: Footage,
+    on_frame: Callable[[FollowedFrame, Truth], None] = lambda step, truth: None,
+) -> TrialResult:
+    """The result of a job's footage, with the stages to blame for its events.
+
+    on_frame: as of `play_footage`. Raises Unposable where a person could not perform the job's own
+    draw: another draw in its place would be another case; and what `play_footage` raises.
+    """
+    if footage.redrawn:
+        raise Unposable(str(fault_of_draw(job.scenario, job.seed, job.overrides)))
+    detector, tracker = make_system(job.system, footage.calibration)
+    episode = play_footage(job, footage, detector, tracker, on_frame)
+    stages = blame(episode, footage.calibration.cameras, tracker)
+    return result_of(key, replace(episode, blame=stages))
 
 
 def _failure(key: str, kind: FailureKind, reason: str) -> TrialResult:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
@@ -18,17 +18,15 @@ from reports.pictures.film import FilmWriter, film_suffix
 from reports.pictures.overlay import overlay_picture
 from scenarios.console.interrupts import unwritten_if_interrupted
 from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
-from scenarios.play.blame import blame
 from scenarios.play.fast import play_fast
 from scenarios.play.footage import open_footage
 from scenarios.play.job import System
-from scenarios.play.play import make_system, play_footage
 from scenarios.play.settings import read_settings
 from scenarios.spec.corpus_case import corpus_folder
 from scenarios.stress.case import Case, Fidelity, Trial, TrialResult
 from scenarios.stress.case_file import case_of, corpus_case, load_case, system_of, write_case
 from scenarios.stress.families import find_family
-from scenarios.stress.play_trial import result_of
+from scenarios.stress.play_trial import full_result, result_of
 from scenarios.stress.search.table import EVENTS
 from scenarios.stress.space import Space
 from sim.contact.contact import Unposable
@@ -184,9 +182,9 @@ def _case_and_system(request: ReplayRequest) -> tuple[Case, System, str]:
 
 def _rendered(case: Case, system: System, key: str, film: Path | None) -> TrialResult:
     """Play in full, with a film of both views if there is a path for it."""
+    job = case.job(system)
     with ExitStack() as stack:
-        footage = stack.enter_context(open_footage(case.job(system)))
-        detector, tracker = make_system(system, footage.calibration)
+        footage = stack.enter_context(open_footage(job))
         writer = None
         if film is not None:
             if film.suffix != film_suffix():
@@ -203,6 +201,4 @@ def _rendered(case: Case, system: System, key: str, film: Path | None) -> TrialR
                     overlay_picture(step.frame, cameras, step.detections, step.estimates, truth)
                 )
 
-        episode = play_footage(case.job(system), footage, detector, tracker, draw)
-        stages = blame(episode, footage.calibration.cameras, tracker)
-        return result_of(key, replace(episode, blame=stages))
+        return full_result(job, key, footage, draw)
