@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-from rich import box
 from rich.table import Table
 
 from pjpdaf.interfaces import STATUSES
 from reports.footage.stated import SURE_M
 from reports.footage.track_record import TrackRecord
+from reports.summary.plain_table import plain_table
 from reports.summary.text import LABELS, percent
 
 
 def status_table(record: TrackRecord) -> Table:
     """A row per target: shares of each status, gaps, stated standard deviations."""
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    table = plain_table()
     table.add_column("target", no_wrap=True)
     for status in STATUSES[1:]:
         table.add_column(status, justify="right", no_wrap=True)

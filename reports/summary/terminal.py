@@ -5,11 +5,11 @@ Names are printed as they are, never as mark-up.
 
 from __future__ import annotations
 
-from rich import box
 from rich.table import Table
 from rich.text import Text
 
 from pjpdaf.targets import HEAD, TARGETS
+from reports.summary.plain_table import plain_table
 from reports.summary.tables import StageTimes, Summary, SummaryRow, time_text
 from reports.summary.text import ALL, LABELS, count, number, percent
 
@@ -74,13 +74,7 @@ def target_table(summary: Summary) -> Table:
 
 
 def _empty_table(summary: Summary) -> Table:
-    table = Table(
-        title=Text(f"Run {summary.name}{_lag_text(summary)}"),
-        title_justify="left",
-        box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-    )
+    table = plain_table(f"Run {summary.name}{_lag_text(summary)}")
     if summary.failures:
         table.caption = Text(f"{count(len(summary.failures), 'episode')} gave no result")
     return table

@@ -6,10 +6,10 @@ import math
 from collections.abc import Sequence
 from statistics import median
 
-from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from reports.summary.plain_table import plain_table
 from scenarios.catalogue.survey import Survey
 from sim.motion.measure import Speeds
 from sim.person.kinematics import MAX_ELBOW_FLEXION_RAD, MAX_WRIST_BEND_RAD
@@ -22,19 +22,13 @@ RECORDED = Speeds(
 
 def survey_table(surveys: Sequence[Survey]) -> Table:
     """Build the table: a row per scenario, and recorded motion below to compare with."""
-    table = Table(
-        title=Text("Motion as it is posed, before rendering"),
-        title_justify="left",
-        box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-        caption=Text(
-            "inside: deepest overlap of two parts, 5 mm allowed; short: of a palm from its target, "
-            "10 mm allowed; speed: of the hands, median/95 %/top; step: displacement in 1/3 s, "
-            "50/90/99 %; missed: by a constant-velocity prediction, 50/90 %"
-        ),
-        caption_justify="left",
+    table = plain_table("Motion as it is posed, before rendering")
+    table.caption = Text(
+        "inside: deepest overlap of two parts, 5 mm allowed; short: of a palm from its target, "
+        "10 mm allowed; speed: of the hands, median/95 %/top; step: displacement in 1/3 s, "
+        "50/90/99 %; missed: by a constant-velocity prediction, 50/90 %"
     )
+    table.caption_justify = "left"
     table.add_column("scenario", no_wrap=True)
     headings = (
         "inside\nmm",

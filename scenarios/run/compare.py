@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -21,6 +20,7 @@ from reports.gate.text import interval_text, number, outcome_text, unit_text
 from reports.gate.verdict import MetricVerdict, Verdict
 from reports.run.load import SavedRun, load
 from reports.run.provenance import provenance
+from reports.summary.plain_table import plain_table
 from scenarios.console.interrupts import interrupts
 from scenarios.console.progress import progress_bar
 from scenarios.run.margins import load_margins, read_margins
@@ -147,13 +147,7 @@ def sentence(verdict: Verdict) -> str:
 
 def verdict_table(verdict: Verdict) -> Table:
     """A row per metric, for the terminal."""
-    table = Table(
-        title=Text(f"{verdict.new} against {verdict.base}"),
-        title_justify="left",
-        box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-    )
+    table = plain_table(f"{verdict.new} against {verdict.base}")
     table.add_column("metric", no_wrap=True)
     share = f"{100 * (1 - verdict.alpha):.4g} %"
     for heading in ("base", "new", "difference", share, "margin"):

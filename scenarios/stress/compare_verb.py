@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 
-from rich import box
 from rich.console import Console
 from rich.table import Table
 
@@ -13,6 +12,7 @@ from pjpdaf.errors import BenchError
 from reports.score.robustness import Goal, measures_of
 from reports.stress.page import write_stress_page
 from reports.stress.records import CompareFile, CompareRecord, MapRecord, write_record
+from reports.summary.plain_table import plain_table
 from scenarios.play.job import System
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign, spaces_of
 from scenarios.stress.case import Case, Trial, TrialResult
@@ -153,7 +153,7 @@ def _failed(result: TrialResult, goal: Goal) -> bool:
 
 
 def _table(records: Sequence[CompareRecord]) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    table = plain_table()
     for heading in ("family", "of"):
         table.add_column(heading, no_wrap=True)
     for heading in ("both", "A", "B", "none", "P(B) - P(A) [%]", "p"):

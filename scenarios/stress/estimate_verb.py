@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from rich import box
 from rich.console import Console
 from rich.table import Table
 
@@ -17,6 +16,7 @@ from reports.score.robustness import Goal, measures_of
 from reports.stress.page import write_stress_page
 from reports.stress.records import EstimateFile, EstimateRecord, write_record
 from reports.stress.words import GOAL_SHORT, interval_text, share_text
+from reports.summary.plain_table import plain_table
 from scenarios.spec.suggestion import did_you_mean
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
 from scenarios.stress.case import Case, Fidelity, Trial, TrialResult
@@ -198,7 +198,7 @@ def _record(
 
 
 def _table(records: Sequence[EstimateRecord]) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    table = plain_table()
     for heading in ("family", "of", "95 % interval"):
         table.add_column(heading, no_wrap=True)
     for heading in ("runs", "failed", "in full: of fast\nfailed, passed"):

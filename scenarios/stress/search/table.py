@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from reports.summary.plain_table import plain_table
 from scenarios.stress.confirm import Counterexample
 
 EVENTS = {
@@ -22,13 +22,7 @@ EVENTS = {
 
 def failure_table(family: str, found: Sequence[Counterexample]) -> Table:
     """A row for each distinct failure; of a confirmed one rho, severity, blame of the pictures."""
-    table = Table(
-        title=Text(f"Failures of {family}"),
-        title_justify="left",
-        box=box.SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-    )
+    table = plain_table(f"Failures of {family}")
     table.add_column("event", overflow="fold")
     table.add_column("what matters", overflow="fold", ratio=1)
     for heading in ("rho", "bad\nframes", "fails\nagain"):
