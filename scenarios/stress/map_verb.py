@@ -58,15 +58,7 @@ def map_verb(request: MapRequest) -> None:
             record, more = _mapped(campaign, space, request)
             records.append(record)
             shown += more
-        if shown:
-            campaign.progress.start("episodes of the page", len(shown))
-            record_episodes(
-                campaign.folder,
-                shown,
-                campaign.runner.executor,
-                wanted.time_limit_s,
-                lambda: campaign.progress.bar.advance(campaign.progress.task),
-            )
+        record_episodes(campaign, shown)
         file = MapFile(system=system_text(campaign.system), maps=tuple(records))
         write_record(campaign.folder / "map.json", file)
         page = write_stress_page([campaign.folder], campaign.folder / "stress.html")

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import importlib
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from reports.pictures.silhouettes import silhouette_still
 from reports.pictures.stills import VIEW_WIDTH_PX
@@ -14,10 +13,10 @@ from reports.run.rows import EpisodeRows, rows_of
 from reports.run.save import RunInfo, save
 from reports.score.records import Episode, Still
 from reports.stress.records import EpisodeKey
-from scenarios.execute.executor import Executor
 from scenarios.play.job import Job
 from scenarios.play.play import play_complete
 from scenarios.spec.draw import unjudged
+from scenarios.stress.campaign import Campaign
 from scenarios.stress.case import Trial
 from sim.processes import Answer
 from sim.silhouettes.film import film_of
@@ -39,37 +38,32 @@ class Shown:
         return EpisodeKey(label=self.label, seed=self.trial.case.seed)
 
 
-def record_episodes(
-    folder: Path,
-    shown: Sequence[Shown],
-    executor: Executor,
-    time_limit_s: float,
-    on_done: Callable[[], None] = lambda: None,
-) -> Path:
-    """Play trials again and save them in `folder`/episodes, in place of what is there.
+def record_episodes(campaign: Campaign, shown: Sequence[Shown]) -> None:
+    """Play trials again and save them in the campaign's `episodes`, in place of what is there.
 
     A fast trial has painted silhouettes for a film, a full one its pictures and the stages to
-    blame. A trial that gives no result now is left out. Raises BenchError.
+    blame. A trial that gives no result now is left out. Without any, nothing is written. Raises
+    BenchError.
     """
+    if not shown:
+        return
+    campaign.progress.start("episodes of the page", len(shown))
     rows: dict[int, EpisodeRows] = {}
     tasks = dict(enumerate(shown))
-    for indexed in executor.outcomes(_recorded, tasks, time_limit_s):
+    runner = campaign.runner
+    for indexed in runner.executor.outcomes(_recorded, tasks, runner.time_limit_s):
         if indexed is None:
             continue
         index, outcome = indexed
         if isinstance(outcome, Answer) and isinstance(outcome.value, EpisodeRows):
             rows[index] = outcome.value
-        on_done()
-    path = folder / FOLDER
+        campaign.progress.bar.advance(campaign.progress.task)
+    path = campaign.folder / FOLDER
     if (path / "run.json").is_file():
         shutil.rmtree(path)
-    system = shown[0].trial.system if shown else None
-    info = RunInfo(
-        name=FOLDER,
-        detector=system.detector if system else "",
-        tracker=system.tracker if system else "",
-    )
-    return save(path, [rows[i] for i in sorted(rows)], info)
+    system = shown[0].trial.system
+    info = RunInfo(name=FOLDER, detector=system.detector, tracker=system.tracker)
+    save(path, [rows[i] for i in sorted(rows)], info)
 
 
 def _recorded(shown: Shown) -> EpisodeRows | None:

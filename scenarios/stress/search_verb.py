@@ -204,15 +204,7 @@ def _write_page(campaign: Campaign, results: Sequence[FamilyFound], argv: Sequen
         records.append(
             search_record(result.search, result.found, result.files, result.fidelity, episodes)
         )
-    if shown:
-        campaign.progress.start("episodes of the page", len(shown))
-        record_episodes(
-            campaign.folder,
-            shown,
-            campaign.runner.executor,
-            campaign.runner.time_limit_s,
-            lambda: campaign.progress.bar.advance(campaign.progress.task),
-        )
+    record_episodes(campaign, shown)
     file = SearchFile(
         system=system_text(campaign.system), searches=tuple(records), command=command_text(argv)
     )
