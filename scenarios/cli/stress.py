@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from pjpdaf.errors import BenchError
 from pjpdaf.presets.names import DEFAULT_PRESET
-from scenarios.cli.options import Jobs, PlugInName
+from scenarios.cli.options import Jobs, PlugInName, PresetName
+
+if TYPE_CHECKING:  # the verbs import it when they run: `--help` is quick
+    from scenarios.stress.campaign import CampaignRequest
 
 _VERBS = ("promote",)  # may also stand before the case
 
@@ -33,9 +36,6 @@ app = typer.Typer(
     help="Hunt the cases in which a tracker fails: find, shrink, replay, keep them.",
 )
 
-Preset = Annotated[
-    str, typer.Option(help="Detector and tracker of this preset: default, thesis, thesis-literal.")
-]
 Settings = Annotated[
     list[str] | None,
     typer.Option(
@@ -81,10 +81,40 @@ def fidelity_named(name: str | None) -> Any:
     return name
 
 
+def campaign_of(
+    verb: str,
+    ctx: typer.Context,
+    detector: str,
+    tracker: str,
+    *,
+    settings: list[str] | None,
+    also: list[str] | None,
+    ranges: list[str] | None = None,
+    fidelity: str | None,
+    against: str | None = None,
+    **others: Any,
+) -> CampaignRequest:
+    """The campaign of a verb by its options. others: seed, jobs, out, time_limit_s."""
+    from scenarios.stress.campaign import CampaignRequest
+
+    return CampaignRequest(
+        verb,
+        ctx.obj,
+        detector,
+        tracker,
+        settings=tuple(settings or ()),
+        also=tuple(also or ()),
+        ranges=tuple(ranges or ()),
+        fidelity=fidelity_named(fidelity),
+        against=against,
+        **others,
+    )
+
+
 @app.command("search")
 def search(
     ctx: typer.Context,
-    preset: Preset = DEFAULT_PRESET,
+    preset: PresetName = DEFAULT_PRESET,
     detector: PlugInName = None,
     tracker: PlugInName = None,
     against: Annotated[
@@ -116,25 +146,24 @@ def search(
 
     The same command goes on where it was interrupted.
     """
-    from scenarios.stress.campaign import CampaignRequest
     from scenarios.stress.search_verb import SearchRequest, search_verb
 
     search_verb(
         SearchRequest(
-            CampaignRequest(
+            campaign_of(
                 "search",
-                ctx.obj,
+                ctx,
                 detector or preset,
                 tracker or preset,
-                tuple(settings or ()),
-                tuple(also or ()),
-                tuple(ranges or ()),
-                fidelity_named(fidelity),
-                against,
-                seed,
-                jobs,
-                out,
-                time_limit,
+                settings=settings,
+                also=also,
+                ranges=ranges,
+                fidelity=fidelity,
+                against=against,
+                seed=seed,
+                jobs=jobs,
+                out=out,
+                time_limit_s=time_limit,
             ),
             find,
             budget,

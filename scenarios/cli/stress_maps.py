@@ -8,17 +8,16 @@ from typing import Annotated
 import typer
 
 from pjpdaf.presets.names import DEFAULT_PRESET
-from scenarios.cli.options import Jobs, PlugInName
+from scenarios.cli.options import Jobs, PlugInName, PresetName
 from scenarios.cli.stress import (
     Also,
     FidelityName,
-    Preset,
     Ranges,
     Seed,
     Settings,
     StressOut,
     TimeLimit,
-    fidelity_named,
+    campaign_of,
 )
 
 
@@ -41,7 +40,7 @@ def map_failures(
     episodes: Annotated[
         int, typer.Option(help="Trials of each map that the page plays, one a cell.")
     ] = 60,
-    preset: Preset = DEFAULT_PRESET,
+    preset: PresetName = DEFAULT_PRESET,
     detector: PlugInName = None,
     tracker: PlugInName = None,
     settings: Settings = None,
@@ -58,27 +57,25 @@ def map_failures(
     Writes stress.html, where a click on a cell plays a trial of it. The same command goes on where
     it was interrupted.
     """
-    from scenarios.stress.campaign import CampaignRequest
     from scenarios.stress.map.explore import MapPlan, others_named
     from scenarios.stress.map_verb import MapRequest, map_verb
     from scenarios.stress.search_verb import goal_of
 
     map_verb(
         MapRequest(
-            CampaignRequest(
+            campaign_of(
                 "map",
-                ctx.obj,
+                ctx,
                 detector or preset,
                 tracker or preset,
-                tuple(settings or ()),
-                tuple(also or ()),
-                tuple(ranges or ()),
-                fidelity_named(fidelity),
-                None,
-                seed,
-                jobs,
-                out,
-                time_limit,
+                settings=settings,
+                also=also,
+                ranges=ranges,
+                fidelity=fidelity,
+                seed=seed,
+                jobs=jobs,
+                out=out,
+                time_limit_s=time_limit,
             ),
             MapPlan(x, y, cells, seeds, refine, goal_of(find), level, others_named(others), seed),
             episodes,
@@ -99,7 +96,7 @@ def estimate(
     method: Annotated[
         str, typer.Option(help="auto, plain (counting), importance (weighted draws).")
     ] = "auto",
-    preset: Preset = DEFAULT_PRESET,
+    preset: PresetName = DEFAULT_PRESET,
     detector: PlugInName = None,
     tracker: PlugInName = None,
     settings: Settings = None,
@@ -115,26 +112,23 @@ def estimate(
     Exit code 3 where an estimate is inconclusive. Writes stress.html. The same command goes on
     where it was interrupted.
     """
-    from scenarios.stress.campaign import CampaignRequest
     from scenarios.stress.estimate_verb import EstimateRequest, estimate_verb
 
     raise typer.Exit(
         estimate_verb(
             EstimateRequest(
-                CampaignRequest(
+                campaign_of(
                     "estimate",
-                    ctx.obj,
+                    ctx,
                     detector or preset,
                     tracker or preset,
-                    tuple(settings or ()),
-                    tuple(also or ()),
-                    (),
-                    fidelity_named(fidelity),
-                    None,
-                    seed,
-                    jobs,
-                    out,
-                    time_limit,
+                    settings=settings,
+                    also=also,
+                    fidelity=fidelity,
+                    seed=seed,
+                    jobs=jobs,
+                    out=out,
+                    time_limit_s=time_limit,
                 ),
                 find,
                 runs,
@@ -175,25 +169,24 @@ def compare(
     Writes stress.html. The same command goes on where it was interrupted.
     """
     from pjpdaf.presets.registry import PRESETS
-    from scenarios.stress.campaign import CampaignRequest
     from scenarios.stress.compare_verb import CompareRequest, compare_verb, difference_plan
 
     compare_verb(
         CompareRequest(
-            CampaignRequest(
+            campaign_of(
                 "compare",
-                ctx.obj,
+                ctx,
                 detector or (a if a in PRESETS else DEFAULT_PRESET),
                 a,
-                tuple(settings or ()),
-                tuple(also or ()),
-                tuple(ranges or ()),
-                fidelity_named(fidelity),
-                b,
-                seed,
-                jobs,
-                out,
-                time_limit,
+                settings=settings,
+                also=also,
+                ranges=ranges,
+                fidelity=fidelity,
+                against=b,
+                seed=seed,
+                jobs=jobs,
+                out=out,
+                time_limit_s=time_limit,
             ),
             find,
             runs,
