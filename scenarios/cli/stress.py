@@ -125,7 +125,7 @@ def search(
         str, typer.Option(metavar="A,B", help="Of swap, head (a swap with it), lost; or all.")
     ] = "all",
     budget: Annotated[
-        int, typer.Option(help="Runs a family; the last failures are analysed beyond it.")
+        int, typer.Option(help="Runs a family, what narrows failures down included.")
     ] = 500,
     distinct: Annotated[int, typer.Option(help="End with so many distinct failures.")] = 20,
     patience: Annotated[int, typer.Option(help="End after so many runs without a new one.")] = 2000,

@@ -35,7 +35,7 @@ def failure_table(family: str, found: Sequence[Counterexample]) -> Table:
         full = "-" if one.full is None else "fails" if one.confirmed else "passes"
         table.add_row(
             EVENTS[one.measure],
-            Text(one.failure.signature.words),
+            Text(one.failure.words),
             rho,
             f"{100 * one.result.severity:.0f} %",
             one.survival.text,
