@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from reports.page.run_entries import RunEntry
+from reports.page.run_entries import RunEntry, worst_entries
 from reports.page.run_report import RunReport
 from reports.summary.text import count, number, percent
 
@@ -47,7 +47,7 @@ def headline(report: RunReport, entries: Sequence[RunEntry]) -> Headline:
         played=_played(report),
         quality="" if outcome == "none" else _quality(report),
         failed="" if outcome == "none" else _failed(report),
-        worst=min(wrong, key=lambda e: (e.within_100, -e.mean_mm), default=None),
+        worst=next(iter(worst_entries(entries)), None),
     )
 
 
@@ -85,11 +85,16 @@ def _quality(report: RunReport) -> str:
 
 def _failed(report: RunReport) -> str:
     overall = report.summary.overall
-    of = overall.episodes - overall.failed
     kinds = (("Hands swapped", overall.swapped or 0), ("a target lost", overall.lost))
     if not any(n for _, n in kinds):
         return "No hands swapped, no target lost."
-    return "; ".join(f"{words} in {n} of {of}" if n else f"{words} in none" for words, n in kinds) + "."
+    return (
+        "; ".join(
+            f"{words} in {n} of {overall.episodes}" if n else f"{words} in none"
+            for words, n in kinds
+        )
+        + "."
+    )
 
 
 def _listed(names: Sequence[str]) -> str:
