@@ -186,9 +186,9 @@ def shrink(
     out: StressOut = None,
     time_limit: TimeLimit = 900.0,
 ) -> None:
-    """Shrink CASE.yaml: fewest and smallest changes from nominal, fewest frames.
+    """Shrink CASE.yaml: fewest changes from nominal, then smaller ones, then fewest frames.
 
-    A form counts if it fails with 6 of 8 fresh noise seeds. Writes minimal.yaml and severe.yaml.
+    It must fail with 6 of 8 fresh noise seeds. At most 150 runs; writes minimal.yaml, severe.yaml.
     """
     from scenarios.stress.campaign import CampaignRequest
     from scenarios.stress.shrink_verb import ShrinkRequest, shrink_verb
