@@ -10,7 +10,7 @@ from typing import Any
 from pjpdaf.targets import TARGETS
 from reports.page.episode_tables import episode_tables
 from reports.page.page import PLAYER
-from reports.page.run_entries import RunEntry, run_entries
+from reports.page.run_entries import RunEntry, opening_entry, run_entries
 from reports.page.templating import asset, rendered, script, write_text
 from reports.run.load import SavedRun, read_film
 from reports.stress.load import StressFolder, load_stress
@@ -56,7 +56,7 @@ def build_stress_page(folders: Sequence[StressFolder]) -> str:
     systems = list(dict.fromkeys(_systems(folders)))
     return rendered(
         "stress.html.j2",
-        css=asset("page.css", "player.css", "stress.css"),
+        css=asset("page.css", "player.css", "stage.css", "stress.css"),
         scripts=[script("report.js"), script(*PLAYER)],
         title=f"Stress test: {', '.join(systems)}",
         systems=systems,
@@ -71,6 +71,7 @@ def build_stress_page(folders: Sequence[StressFolder]) -> str:
         commands=commands(played),
         sections=sections,
         entries=entries,
+        opening=opening_entry(entries),
         films_left_out=left_out,
         targets=TARGETS,
         count=count,
