@@ -125,7 +125,7 @@ def search(
         str, typer.Option(metavar="A,B", help="Of swap, head (a swap with it), lost; or all.")
     ] = "all",
     budget: Annotated[
-        int, typer.Option(help="Runs a family; the last failures are analysed beyond it.")
+        int, typer.Option(help="Runs a family, what narrows failures down included.")
     ] = 500,
     distinct: Annotated[int, typer.Option(help="End with so many distinct failures.")] = 20,
     patience: Annotated[int, typer.Option(help="End after so many runs without a new one.")] = 2000,
@@ -189,9 +189,9 @@ def shrink(
     out: StressOut = None,
     time_limit: TimeLimit = 900.0,
 ) -> None:
-    """Shrink CASE.yaml: fewest and smallest changes from nominal, fewest frames.
+    """Shrink CASE.yaml: fewest changes from nominal, then smaller ones, then fewest frames.
 
-    A form counts if it fails with 6 of 8 fresh noise seeds. Writes minimal.yaml and severe.yaml.
+    It must fail with 6 of 8 fresh noise seeds. At most 150 runs; writes minimal.yaml, severe.yaml.
     """
     from scenarios.stress.campaign import CampaignRequest
     from scenarios.stress.shrink_verb import ShrinkRequest, shrink_verb
