@@ -9,27 +9,24 @@ from sim.contact.contact import ALLOWED_PENETRATION_M
 from sim.motion.measure import fault_of
 from sim.silhouettes.possible import surely_possible
 
-# Contact; a bend past the wrist's range; an arm that is too short; a hand in a post.
+# Faulty motions: `tests/sim/motion/test_measure.py` judges its own in both ways.
 CASES = [
-    ("hand_under_table", 0, {}, True),
-    ("drink", 0, {}, True),
-    ("cross", 1, {"height": 0.35, "spread": 0.3}, None),
-    ("mirror", 3, {}, None),
-    ("one_view_occluder", 2, {}, True),
+    ("hand_under_table", 0, {}),
+    ("drink", 0, {}),
+    ("mirror", 3, {}),
+    ("one_view_occluder", 2, {}),
 ]
 
 
-@pytest.mark.parametrize(("name", "draw", "values", "possible"), CASES)
-def test_what_is_known_is_so_moment_by_moment(name, draw, values, possible):
+@pytest.mark.parametrize(("name", "draw", "values"), CASES)
+def test_what_is_known_is_so_moment_by_moment(name, draw, values):
     script = unjudged(load_scenario(name), draw, values).script
     performer = getattr(script, "script", script)
-    times_s = np.linspace(0.0, 12.0, 25).tolist()
+    times_s = np.linspace(0.0, 12.0, 17).tolist()
     known = surely_possible(performer, times_s)
     single = [fault_of(performer, [t_s]) for t_s in times_s]
     assert not any(fault for fault, fine in zip(single, known, strict=True) if fine)
     whole = fault_of(performer, times_s)
     assert fault_of(performer, times_s, known.tolist()) == whole
-    if possible:
-        assert whole is None
-        assert known.mean() > 0.3  # worth it
+    assert known.mean() > 0.3  # worth it
     assert ALLOWED_PENETRATION_M > 0.0005  # the overlap up to which `may_touch` says no
