@@ -8,7 +8,6 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from rich.console import Console
 
 from pjpdaf.arrays import Image
 from pjpdaf.errors import BenchError, InfrastructureError
@@ -17,7 +16,7 @@ from reports.pictures.film import FilmWriter, film_suffix
 from reports.pictures.truth_overlay import truth_picture
 from scenarios.catalogue.frame_choice import representative_frames, truths_without_pictures
 from scenarios.console.interrupts import unwritten_if_interrupted
-from scenarios.console.progress import progress_bar
+from scenarios.console.progress import progress
 from scenarios.play.settings import read_scenario_settings
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
@@ -25,6 +24,7 @@ from sim.files import disk_faults, written_whole_file
 from sim.labels import centres
 from sim.script import Performance
 from sim.sequence import RenderedFrame, Simulation
+from sim.steps import counted
 
 MP4, PNG = ".mp4", ".png"
 SHEET_FRAMES, SHEET_COLUMNS, SHEET_WIDTH_PX = 12, 2, 900
@@ -106,30 +106,25 @@ def _performance(request: FilmRequest) -> Performance:
 
 
 def _film(performance: Performance, indices: range, part: Path, title: str) -> None:
-    console = Console(stderr=True)
     with (
-        progress_bar(console) as progress,
+        progress() as meter,
         Simulation(performance) as simulation,
         closing(FilmWriter(part.parent, part.stem, performance.fps)) as film,
     ):
-        for index in progress.track(indices, description="filming"):
+        meter.begin("filming", len(indices))
+        for index in counted(indices):
             film.add(draw_truth(simulation.render(index), simulation, title))
 
 
 def _sheet(performance: Performance, indices: range, part: Path, title: str) -> list[int]:
     """Write the sheet; returns the numbers of the frames on it."""
-    console = Console(stderr=True)
-    with progress_bar(console) as progress, Simulation(performance) as simulation:
-        truths = list(
-            progress.track(
-                truths_without_pictures(performance, indices),
-                total=len(indices),
-                description="looking",
-            )
-        )
+    with progress() as meter, Simulation(performance) as simulation:
+        meter.begin("looking", len(indices))
+        truths = list(counted(truths_without_pictures(performance, indices)))
         chosen = [truths[i].index for i in representative_frames(truths, SHEET_FRAMES)]
         pictures = []
-        for index in progress.track(chosen, description="drawing"):
+        meter.begin("drawing", len(chosen))
+        for index in counted(chosen):
             picture = draw_truth(simulation.render(index), simulation, title)
             height = round(picture.shape[0] * SHEET_WIDTH_PX / picture.shape[1])
             small = cv2.resize(picture, (SHEET_WIDTH_PX, height), interpolation=cv2.INTER_AREA)

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from contextlib import nullcontext
 from dataclasses import replace
 
-from rich.console import Console
 from rich.filesize import decimal
 
 from reports.summary.text import count
 from scenarios.console.interrupts import Interrupted, interrupts
+from scenarios.console.progress import Meter, progress
 from scenarios.dataset.finish import finish_dataset
 from scenarios.dataset.folder import (
     check_same_dataset,
@@ -18,7 +19,6 @@ from scenarios.dataset.folder import (
     only_process,
     remove_leftovers,
 )
-from scenarios.dataset.progress import MakeProgress
 from scenarios.dataset.sequence_plan import (
     MakeRequest,
     plan_recipes,
@@ -32,6 +32,7 @@ from sim.dataset.files.layout import (
     PART,
 )
 from sim.dataset.files.manifest import manifest_record, write_manifest
+from sim.dataset.writer import Written
 from sim.files import disk_faults
 from sim.processes import WorkerPool
 
@@ -51,7 +52,6 @@ def make_dataset(request: MakeRequest, workers: WorkerPool | None = None) -> Non
     settings = {**request.labels.record(), "ladder": request.ladder}
     entries = [sequence_entry(index, recipe) for index, recipe in enumerate(recipes)]
     command = repeat_command(request)
-    console = Console(stderr=True)
     with disk_faults(out, "the data set"):
         out.mkdir(parents=True, exist_ok=True)
     with only_process(out), interrupts() as arrived, arrived.raising():
@@ -76,11 +76,14 @@ def make_dataset(request: MakeRequest, workers: WorkerPool | None = None) -> Non
                 }
                 frames = sum(entries[index].frames for index in tasks)
                 started = time.perf_counter()
-                with MakeProgress(console, tasks, frames) as progress:
-                    written = make_sequences(pool, tasks, progress.step)
+                with progress(running=pool.running_steps) as meter:
+                    written = _make_all(pool, tasks, meter)
             remove_leftovers(out)  # of workers that were killed
             wall_s = time.perf_counter() - started
-            finish_dataset(out, entries, settings, made_with, request.exports, command)
+            with progress() as meter:
+                finish_dataset(
+                    out, entries, settings, made_with, request.exports, command, meter.begin
+                )
         except KeyboardInterrupt:
             remove_leftovers(out)
             done = sum((out / entry.folder).is_dir() for entry in entries)
@@ -98,3 +101,18 @@ def make_dataset(request: MakeRequest, workers: WorkerPool | None = None) -> Non
     kept = len(entries) - len(tasks)
     print(f"{summary}, {count(jobs, 'worker')}" + (f"; {kept} were there" if kept else ""))
     print(f"data set: {request.out}")
+
+
+def _make_all(pool: WorkerPool, tasks: Mapping[int, SequenceTask], meter: Meter) -> list[Written]:
+    done: list[Written] = []
+
+    def doing() -> str:
+        size = f", {decimal(sum(sequence.bytes for sequence in done))}" if done else ""
+        return f"{len(done)}/{count(len(tasks), 'sequence')}{size}"
+
+    def on_done(written: Written) -> None:
+        done.append(written)
+        meter.finish(written.frames, doing())
+
+    meter.begin(doing(), sum(task.recipe.job.frames for task in tasks.values()))
+    return make_sequences(pool, tasks, on_done)

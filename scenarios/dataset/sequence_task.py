@@ -20,6 +20,7 @@ from sim.dataset.writer import Written, write_sequence
 from sim.files import disk_faults
 from sim.processes import Answer, Lost, WorkerPool
 from sim.sequence import Simulation
+from sim.steps import step
 
 TIME_LIMIT_S = 24 * 3600.0  # of one sequence; no code of the user runs in it
 
@@ -42,19 +43,19 @@ def library_versions() -> dict[str, str]:
 
 
 def make_sequences(
-    pool: WorkerPool, tasks: Mapping[int, SequenceTask], on_poll: Callable[[int, int], None]
+    pool: WorkerPool, tasks: Mapping[int, SequenceTask], on_done: Callable[[Written], None]
 ) -> list[Written]:
     """Make the sequences in the pool's workers.
 
-    on_poll: called with the number of finished sequences and their bytes. Raises the BenchError of
-    the first that fails; the others are ended then.
+    on_done: called with each that is finished. Raises the BenchError of the first that fails; the
+    others are ended then.
     """
     written: list[Written] = []
     for ended in pool.outcomes(_make_sequence, tasks, TIME_LIMIT_S):
         if ended is not None:
             index, outcome = ended
             written.append(_written(tasks[index], outcome))
-        on_poll(len(written), sum(sequence.bytes for sequence in written))
+            on_done(written[-1])
     return written
 
 
@@ -90,7 +91,8 @@ def write_recipe(recipe: Recipe, folder: Path) -> Written:
         shutil.copyfile(file.path, folder / FILES / stored_name(file))
     with Simulation(performance) as simulation:
         record = recipe.record(performance.redrawn)
-        return write_sequence(simulation, folder, recipe.settings.labels, record)
+        labels = recipe.settings.labels
+        return write_sequence(simulation, folder, labels, record, lambda frame: step())
 
 
 def _written(task: SequenceTask, outcome: Answer[Written | BenchError] | Lost) -> Written:

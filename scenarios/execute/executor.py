@@ -36,6 +36,10 @@ class Executor(Protocol):
         """Description of the OpenGL renderer of its processes. Raises InfrastructureError."""
         ...
 
+    def running_steps(self) -> int:
+        """Steps, such as frames, of the tasks in progress; 0 where that is not known."""
+        ...
+
     def close(self) -> None:
         """End all processes now."""
         ...

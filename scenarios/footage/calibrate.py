@@ -21,7 +21,8 @@ from pjpdaf.layouts import Layout
 from pjpdaf.sources import PicturePair, open_source, picture_pairs
 from pjpdaf.stereo_solver import LENS_FLAGS
 from scenarios.console.folder import written_whole
-from scenarios.console.progress import progress_bar
+from scenarios.console.progress import progress
+from sim.steps import counted
 
 
 @dataclass(frozen=True)
@@ -58,16 +59,14 @@ def calibrate(request: CalibrateRequest) -> None:
             request.layout,
         )
         total = max(open_source(path).count for path in (request.left, request.right) if path)
-        with progress_bar(console) as progress:
-            task = progress.add_task("finding corners", total=total or None)
+        with progress(console) as meter:
+            meter.begin("finding corners", total or None, "pair")
 
-            def counted() -> Iterator[PicturePair]:
-                for pair in pairs:
-                    yield pair
-                    progress.update(task, advance=1)
-                progress.update(task, description="calibrating")
+            def until_solved() -> Iterator[PicturePair]:
+                yield from counted(pairs)
+                meter.begin("calibrating", None)
 
-            report = calibrate_pairs(counted(), board, part, request.coefficients)
+            report = calibrate_pairs(until_solved(), board, part, request.coefficients)
         names = [file.relative_to(part) for file in report.files]
     _print(report, Console(), request.out, names)
 

@@ -21,7 +21,7 @@ from reports.pictures.film import FilmWriter
 from reports.pictures.overlay import encode_jpeg, overlay_picture
 from scenarios.console.folder import written_whole
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
-from scenarios.console.progress import progress_bar
+from scenarios.console.progress import progress
 from scenarios.footage.learning import learn_scene
 from scenarios.footage.outputs import page_info, write_json
 from scenarios.footage.session import TrackRequest, TrackSession, prepare_session
@@ -80,8 +80,8 @@ def _follow(
     ended_by: BenchError | None = None
     cameras = session.rig.cameras
     record = TrackRecord(1 / session.rate_hz)
-    with progress_bar(console) as progress:
-        task = progress.add_task("tracking", total=session.total)
+    with progress(console) as meter:
+        meter.begin("tracking", session.total)
         frames = itertools.takewhile(lambda _: not arrived.arrived, session.frames(warn))
         with (
             closing(TrackWriter(part, cameras)) as tracks,
@@ -94,7 +94,7 @@ def _follow(
                     tracks.add(frame.index, frame.time_s, estimates)
                     film.add(sheet)
                     record.add(frame, detections, estimates, functools.partial(encode_jpeg, sheet))
-                    progress.update(task, advance=1)
+                    meter.step()
             except BenchError as fault:
                 if record.frames == 0:
                     raise

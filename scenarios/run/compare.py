@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,7 +22,7 @@ from reports.run.load import SavedRun, load
 from reports.run.provenance import provenance
 from reports.summary.plain_table import plain_table
 from scenarios.console.interrupts import interrupts
-from scenarios.console.progress import progress_bar
+from scenarios.console.progress import progress
 from scenarios.run.margins import load_margins, read_margins
 from sim.files import disk_faults, written_whole_file
 
@@ -95,7 +95,8 @@ def _escalated(
     """The verdict after as many reserve rounds as needed, and why they cannot be played here."""
     # Late: to play takes many imports that comparing does not need.
     from scenarios.execute.local import local_executor, worker_count
-    from scenarios.run.escalate import LOOKS, CannotEscalate, OnDone, escalate
+    from scenarios.play.job import Job
+    from scenarios.run.escalate import LOOKS, ROUNDS, CannotEscalate, OnDone, escalate
 
     workers = worker_count(request.jobs)
     first = compare(base, new, margins, looks=LOOKS)
@@ -104,13 +105,13 @@ def _escalated(
     with (
         interrupts() as arrived,
         arrived.raising(),
-        progress_bar(Console(stderr=True)) as progress,
         local_executor(workers) as executor,
+        progress(running=executor.running_steps) as meter,
     ):
 
-        def on_round(number: int, episodes: int) -> OnDone:
-            task = progress.add_task(f"reserve {number + 1}", total=episodes)
-            return lambda index, rows: progress.update(task, advance=1)
+        def on_round(number: int, jobs: Sequence[Job]) -> OnDone:
+            meter.begin(f"reserve {number + 1} of {len(ROUNDS)}", sum(job.frames for job in jobs))
+            return lambda index, rows: meter.finish(jobs[index].frames)
 
         try:
             here = provenance()

@@ -34,7 +34,7 @@ LOOKS = 1 + len(ROUNDS)
 PROOFS = 3  # episodes that are played again to see that this code made the runs
 
 OnDone = Callable[[int, EpisodeRows], None]
-OnRound = Callable[[int, int], OnDone]  # number of the round, episodes -> called for each
+OnRound = Callable[[int, Sequence[Job]], OnDone]  # number of the round, jobs -> called for each
 
 
 class CannotEscalate(BenchError):
@@ -206,7 +206,7 @@ def play_round(
     """
     jobs = [reserve_jobs(planned, number) for planned in plans]
     every = [job for reserve in jobs for job in reserve]
-    rows = _finished(play_all(every, executor, on_round(number, len(every))))
+    rows = _finished(play_all(every, executor, on_round(number, every)))
     grown = []
     for name, run, mine in zip(("base", "new"), runs, jobs, strict=True):
         part, rows = rows[: len(mine)], rows[len(mine) :]

@@ -22,7 +22,7 @@ from scenarios.cache.report import origin_line
 from scenarios.cache.settings import cache_settings
 from scenarios.console.folder import unfinished
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
-from scenarios.console.progress import progress_bar
+from scenarios.console.progress import progress
 from scenarios.execute.episodes import PlayResults, play_all
 from scenarios.execute.executor import Executor
 from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
@@ -143,7 +143,7 @@ def _print_results(
     kept = f"; {len(run.finished)} were there" if run.finished else ""
     out.print(
         f"{count(len(played.rows), 'episode')}, {count(frames, 'stereo frame')} in {wall_s:.0f} s "
-        f"({max(now, 0) / wall_s:.1f} a second, {workers} workers){kept}",
+        f"({max(now, 0) / wall_s:.1f} a second, {count(workers, 'worker')}){kept}",
         highlight=False,
     )
     settings = cache_settings() if request.plan.use_cache else None
@@ -172,14 +172,18 @@ def _play_with_progress(
     run: UnfinishedRun, executor: Executor, time_limit_s: float, arrived: Interrupts
 ) -> PlayResults:
     """Play what is not finished; each episode is kept as it is finished."""
-    with progress_bar(Console(stderr=True)) as progress:
-        finished = len(run.finished)
-        task = progress.add_task("starting", total=len(run.jobs), completed=finished)
+    frames = [job.frames for job in run.jobs]
+    done = set(run.finished)
+    with progress(running=executor.running_steps) as meter:
+
+        def doing() -> str:
+            return f"{len(done)}/{count(len(run.jobs), 'episode')}"
 
         def on_done(index: int, row: EpisodeRows) -> None:
             run.keep(run.jobs[index], row)
-            label = f"{row.scenario} seed {row.seed}"
-            progress.update(task, advance=1, description=label)
+            done.add(index)
+            meter.finish(frames[index], doing())
 
+        meter.begin(doing(), sum(frames), finished=sum(frames[index] for index in done))
         with arrived.raising():
             return play_all(run.jobs, executor, on_done, time_limit_s, run.finished)

@@ -185,7 +185,7 @@ def open_campaign(request: CampaignRequest, total: int | None = None) -> Iterato
         interrupts() as arrived,
         Journal.open(folder, request.code()) as journal,
         local_executor(workers) as executor,
-        campaign_progress(total) as progress,
+        campaign_progress(executor, total) as progress,
     ):
         if fidelity == "full":
             executor.renderer()  # raises where there is no OpenGL
