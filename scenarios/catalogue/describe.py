@@ -7,6 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from rich.console import Console
 from rich.table import Table
 
+from reports.summary.plain_table import plain_table
+from scenarios.console.tables import print_table
 from scenarios.spec.draw import concrete, perform
 from scenarios.spec.names import resolve, scenarios_of
 from scenarios.spec.parameters.choice import Choice
@@ -32,17 +34,15 @@ def print_description(name: str, seed: int, overrides: Mapping[str, str] | None 
 
 def _print(lines: Iterable[str], table: Table) -> None:
     console = Console()
-    # A pipe has no width: the table is kept whole there.
-    console = console if console.is_terminal else Console(width=120)
     for line in lines:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
-    console.print(table)
+    print_table(table, console)
 
 
 def _scenario_table(scenario: Scenario, seed: int, overrides: Mapping[str, str]) -> Table:
     redrawn = perform(scenario, seed, overrides).redrawn
     values = concrete(scenario, seed, overrides, redrawn)
-    table = Table(box=None, pad_edge=False)
+    table = plain_table()
     for column in ("parameter", "unit", "range", "nominal", f"seed {seed}", "meaning"):
         table.add_column(column, overflow="fold")
     for key, parameter in scenario.parameters.items():
@@ -62,7 +62,7 @@ def _suite_head(suite: Suite) -> Iterator[str]:
 
 
 def _suite_table(suite: Suite) -> Table:
-    table = Table(box=None, pad_edge=False)
+    table = plain_table()
     for column in ("entry", "scenario", "version", "frames", "seeds"):
         table.add_column(column, no_wrap=True)
     table.add_column("set", overflow="fold")

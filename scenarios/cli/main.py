@@ -41,7 +41,6 @@ app = typer.Typer(
 for verb in (
     run.run,
     gate.compare,
-    gate.baseline,
     run.report,
     run.score,
     footage.track,
@@ -49,6 +48,7 @@ for verb in (
     doctor.doctor,
 ):
     app.command()(verb)
+app.add_typer(gate.baseline, name="baseline")
 app.add_typer(scenarios.app, name="scenarios")
 app.add_typer(plugin.app, name="plugin")
 app.add_typer(dataset.app, name="dataset")

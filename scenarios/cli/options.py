@@ -71,7 +71,9 @@ def read_layout(text: str) -> Layout:
     for layout in LAYOUTS:
         if text == layout:
             return layout
-    raise BenchError(f"--stereo must be one of {', '.join(LAYOUTS)}, got {text!r}")
+    from scenarios.spec.suggestion import suggestion
+
+    raise BenchError(f"--stereo {text[:40]}: no such layout{suggestion(text, LAYOUTS)}")
 
 
 def refuse_both_detectors(detections: Path | None, detector: str | None) -> None:

@@ -86,19 +86,15 @@ def measure(
 
     Without a name: the whole catalogue. Exit code 1 if a limit is passed.
     """
-    from rich.console import Console
-
     from scenarios.catalogue.survey import survey_scenario
     from scenarios.catalogue.survey_table import survey_table
+    from scenarios.console.tables import print_table
     from scenarios.spec.names import load_scenario, scenario_names
 
     if not 1 <= seeds <= 1000:
         raise BenchError(f"--seeds must be between 1 and 1000, got {seeds}")
     surveys = [survey_scenario(load_scenario(n), range(seeds)) for n in names or scenario_names()]
-    console = Console()
-    # A pipe has no width: the table is kept whole there.
-    console = console if console.is_terminal else Console(width=140)
-    console.print(survey_table(surveys))
+    print_table(survey_table(surveys))
     if any(survey.faults for survey in surveys):
         raise typer.Exit(1)
 

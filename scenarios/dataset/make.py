@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
+from pathlib import Path
 
 from rich.filesize import decimal
 
-from reports.summary.text import count
+from reports.summary.text import count, duration
 from scenarios.console.interrupts import Interrupted, interrupts
 from scenarios.console.progress import Meter, progress
 from scenarios.dataset.finish import finish_dataset
@@ -19,6 +20,7 @@ from scenarios.dataset.folder import (
     only_process,
     remove_leftovers,
 )
+from scenarios.dataset.forecast import forecast, refuse_without_room, try_sequences
 from scenarios.dataset.sequence_plan import (
     MakeRequest,
     plan_recipes,
@@ -27,6 +29,7 @@ from scenarios.dataset.sequence_plan import (
 )
 from scenarios.dataset.sequence_task import SequenceTask, library_versions, make_sequences
 from scenarios.execute.local import worker_count
+from scenarios.play.recipe import Recipe
 from sim.dataset.files.layout import (
     MANIFEST,
     PART,
@@ -75,6 +78,7 @@ def make_dataset(request: MakeRequest, workers: WorkerPool | None = None) -> Non
                     if not (out / entry.folder).is_dir()
                 }
                 frames = sum(entries[index].frames for index in tasks)
+                _state_expected(pool, out, recipes, tasks, request.exports, jobs)
                 started = time.perf_counter()
                 with progress(running=pool.running_steps) as meter:
                     written = _make_all(pool, tasks, meter)
@@ -101,6 +105,33 @@ def make_dataset(request: MakeRequest, workers: WorkerPool | None = None) -> Non
     kept = len(entries) - len(tasks)
     print(f"{summary}, {count(jobs, 'worker')}" + (f"; {kept} were there" if kept else ""))
     print(f"data set: {request.out}")
+
+
+def _state_expected(
+    pool: WorkerPool,
+    out: Path,
+    recipes: Sequence[Recipe],
+    tasks: Mapping[int, SequenceTask],
+    exports: Sequence[str],
+    jobs: int,
+) -> None:
+    """Print the expected size and time of what is to be made, unless that is little.
+
+    Raises InfrastructureError where the disk has not enough room.
+    """
+    missing = {index: recipes[index] for index in tasks}
+    with progress() as meter:
+        meter.begin("making a few frames, to tell size and time", None)
+        expected = forecast(try_sequences(pool, missing), missing, recipes, exports, jobs)
+    if expected is None:
+        return
+    free = refuse_without_room(expected, out)
+    exported = f" ({decimal(expected.exports)} of it exports)" if expected.exports else ""
+    print(
+        f"expected: about {decimal(expected.size)}{exported} in {duration(expected.seconds)}; "
+        f"the disk has {decimal(free)} left",
+        flush=True,
+    )
 
 
 def _make_all(pool: WorkerPool, tasks: Mapping[int, SequenceTask], meter: Meter) -> list[Written]:

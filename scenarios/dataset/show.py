@@ -44,9 +44,9 @@ class ShowDatasetRequest:
 def show_dataset(request: ShowDatasetRequest) -> str:
     """Write sheet, page or recording; returns a line for each file.
 
-    Without `out` and `rerun`: sheet and page in a new folder NAME-show here. Raises BenchError for
-    a data set that cannot be shown or a file that cannot be written, InfrastructureError where the
-    disk is full or Rerun is not installed, Interrupted.
+    Without `out` and `rerun`: sheet and page in a new folder NAME-show beside the data set. Raises
+    BenchError for a data set that cannot be shown or a file that cannot be written,
+    InfrastructureError where the disk is full or Rerun is not installed, Interrupted.
     """
     dataset = open_dataset(request.folder)
     sequences = _sequences(dataset, request.sequence)
@@ -89,7 +89,9 @@ def _places(request: ShowDatasetRequest) -> tuple[Path | None, Path | None]:
     if out is None:
         if request.rerun is not None:
             return None, None
-        out = Path(f"{request.folder.resolve().name}-show")
+        folder = request.folder
+        folder = folder.resolve() if folder.name in ("", "..") else folder
+        out = folder.with_name(f"{folder.name}-show")
     suffix = out.suffix.lower()
     if suffix == ".png":
         return out, None

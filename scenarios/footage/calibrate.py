@@ -8,9 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
 from pjpdaf.boards import Board
 from pjpdaf.calibrate import calibrate as calibrate_pairs
@@ -20,8 +18,10 @@ from pjpdaf.errors import BenchError
 from pjpdaf.layouts import Layout
 from pjpdaf.sources import PicturePair, open_source, picture_pairs
 from pjpdaf.stereo_solver import LENS_FLAGS
+from reports.summary.plain_table import plain_table
 from scenarios.console.folder import written_whole
 from scenarios.console.progress import progress
+from scenarios.console.tables import print_table
 from sim.steps import counted
 
 
@@ -91,7 +91,7 @@ def board_of(request: CalibrateRequest) -> Board:
 
 
 def _print(report: CalibrationReport, out: Console, folder: Path, names: list[Path]) -> None:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table = plain_table()
     table.add_column("left")
     table.add_column("right")
     table.add_column("error left [px]", justify="right")
@@ -104,8 +104,7 @@ def _print(report: CalibrationReport, out: Console, folder: Path, names: list[Pa
         ]
         remark = "" if pair.used else f"dropped: {pair.reason}"
         table.add_row(Path(pair.left).name, Path(pair.right).name, *errors, remark)
-    # Not on a screen: wide enough that no reason is wrapped.
-    (out if out.is_terminal else Console(width=200)).print(table)
+    print_table(table, out)
     rig = report.rig
     lines = [
         f"{report.used} of {len(report.pairs)} pairs used; reprojection RMS: left "

@@ -22,6 +22,7 @@ from reports.pictures.overlay import encode_jpeg, overlay_picture
 from scenarios.console.folder import written_whole
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
 from scenarios.console.progress import progress
+from scenarios.console.tables import print_table
 from scenarios.footage.learning import learn_scene
 from scenarios.footage.outputs import page_info, write_json
 from scenarios.footage.session import TrackRequest, TrackSession, prepare_session
@@ -50,7 +51,7 @@ def track(request: TrackRequest) -> None:
             write_text(part / "report.html", track_page(record, info))
             write_json(part / "track.json", session, record, info)
     out = Console()
-    out.print(status_table(record))
+    print_table(status_table(record), out)
     for line in (
         f"{record.frames} stereo frames, {record.seconds:.1f} s, "
         f"{record.missing_pictures} pictures missing. {record.verdict()}",

@@ -12,17 +12,25 @@ from rich.table import Table
 from rich.text import Text
 
 from pjpdaf.errors import BenchError
+from reports.gate.advice import advice_lines
 from reports.gate.formats import badge_json, verdict_json
 from reports.gate.gate import compare
 from reports.gate.junit import junit_xml
 from reports.gate.markdown import markdown
-from reports.gate.text import interval_text, number, outcome_text, unit_text
+from reports.gate.text import (
+    cap_text,
+    difference_text,
+    interval_text,
+    number,
+    outcome_text,
+)
 from reports.gate.verdict import MetricVerdict, Verdict
 from reports.run.load import SavedRun, load
 from reports.run.provenance import provenance
 from reports.summary.plain_table import plain_table
 from scenarios.console.interrupts import interrupts
 from scenarios.console.progress import progress
+from scenarios.console.tables import print_table
 from scenarios.run.margins import load_margins, read_margins
 from sim.files import disk_faults, written_whole_file
 
@@ -70,10 +78,16 @@ def compare_runs(request: CompareRequest) -> int:
         verdict = compare(base, new, margins)
     write_verdict(verdict, out, request.argv)
     console = Console()
-    console.print(verdict_table(verdict))
+    print_table(verdict_table(verdict), console)
+    for text in filter(None, map(cap_text, verdict.metrics)):
+        console.print(f"* {text}", highlight=False, markup=False, soft_wrap=True)
     for note in verdict.notes:
         console.print(f"note: {note}", highlight=False, markup=False, soft_wrap=True)
     console.print(sentence(verdict), style=STYLES[verdict.verdict], highlight=False, soft_wrap=True)
+    if verdict.advice is not None and verdict.verdict == "inconclusive":
+        advice = verdict.advice
+        for line in (*advice_lines(advice), *(f"  {command}" for command in advice.commands)):
+            console.print(line, highlight=False, markup=False, soft_wrap=True)
     console.print(
         f"written: {', '.join(str(out / name) for name in FILES)}",
         highlight=False,
@@ -160,12 +174,11 @@ def verdict_table(verdict: Verdict) -> Table:
 
 
 def _cells(judged: MetricVerdict) -> tuple[str, ...]:
-    unit = unit_text(judged.metric)
     return (
         judged.metric.name,
-        number(judged.base) + unit,
-        number(judged.new) + unit,
-        number(judged.difference.mean, "+"),
+        number(judged.base),
+        number(judged.new),
+        difference_text(judged),
         interval_text(judged),
         f"{judged.metric.margin:g}",
     )

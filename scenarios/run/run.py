@@ -23,6 +23,7 @@ from scenarios.cache.settings import cache_settings
 from scenarios.console.folder import unfinished
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
 from scenarios.console.progress import progress
+from scenarios.console.tables import print_table
 from scenarios.execute.episodes import PlayResults, play_all
 from scenarios.execute.executor import Executor
 from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
@@ -133,7 +134,7 @@ def _print_results(
 ) -> None:
     out = Console()
     table = target_table if request.by_target else scenario_table
-    out.print(table(summarise(saved)))
+    print_table(table(summarise(saved)), out)
     for line in blame_lines(saved.events):
         out.print(f"to blame for {line}", highlight=False)
     if (budget := budget_of(saved)) is not None:

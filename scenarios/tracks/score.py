@@ -22,6 +22,7 @@ from reports.summary.text import count
 from scenarios.console.folder import default_folder
 from scenarios.console.interrupts import interrupts, unwritten_if_interrupted
 from scenarios.console.progress import progress
+from scenarios.console.tables import print_table
 from scenarios.play.from_dataset import (
     check_once,
     open_with_sequences,
@@ -97,7 +98,7 @@ def score_tracks(request: ScoreRequest) -> None:
         page = write_page([saved], folder / "report.html")
     out = Console()
     table = target_table if request.by_target else scenario_table
-    out.print(table(summarise(saved)))
+    print_table(table(summarise(saved)), out)
     frames = sum(row.frame_count for row in rows)
     summary = f"{count(len(rows), 'sequence')}, {count(frames, 'stereo frame')} scored"
     for line in (summary, *(f"note: {note}" for note in notes), f"report: {page}"):
