@@ -76,3 +76,10 @@ def counts_steps(wait_for):
     step()
     while not Path(wait_for).exists():
         time.sleep(0.02)
+
+
+def mixed(x):
+    """One that ends its process, one that hangs, and many that answer."""
+    if x == 2:
+        time.sleep(1000)
+    return dies(x)

@@ -9,13 +9,12 @@ from pathlib import Path
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from reports.page.episode_tables import EpisodeTables, Key, episode_tables
-from reports.page.run_entries import RunEntry, run_entries
+from reports.page.run_entries import RunEntry, opening_entry, run_entries, worst_entries
 from reports.page.run_report import run_report
 from reports.page.scenario_sections import scenario_sections
 from reports.page.templating import asset, rendered, script, write_text
 from reports.page.thesis_figures import ThesisFigure, thesis_figures
 from reports.run.load import SavedRun
-from reports.score.ranking import MAX_WORST
 from reports.summary.tables import verdict
 from reports.summary.text import count
 
@@ -24,9 +23,12 @@ PLAYER = (
     "unpack.js",
     "shared.js",
     "player_data.js",
+    "player_marks.js",
+    "player_schematic.js",
     "player_view.js",
     "player_space.js",
     "player_curves.js",
+    "worst_film.js",
     "player_controls.js",
 )
 
@@ -47,16 +49,16 @@ def build_page(runs: Sequence[SavedRun], title: str = "") -> str:
     entries = run_entries(runs, played, names)
     by_key = {entry.key: entry for entry in entries}
     title = title or f"Tracking report: {', '.join(run.name for run in runs)}"
-    worst = sorted((e for e in entries if e.went_wrong), key=lambda e: (e.within_100, -e.mean_mm))
     return rendered(
         "page.html.j2",
-        css=asset("page.css", "player.css"),
+        css=asset("page.css", "player.css", "stage.css"),
         scripts=[script("report.js"), script(*PLAYER), script("lightbox.js")],
         title=title,
         reports=reports,
         groups=list(dict.fromkeys(row.name for report in reports for row in report.groups)),
         verdicts=[(report.run.name, verdict(report.summary)) for report in reports],
-        worst=worst[:MAX_WORST],
+        worst=worst_entries(entries),
+        opening=opening_entry(entries),
         sections=scenario_sections(reports, entries, names),
         entries=entries,
         films_left_out=_films_left_out(runs, entries),

@@ -10,7 +10,7 @@ from typing import Any
 from pjpdaf.targets import TARGETS
 from reports.page.episode_tables import episode_tables
 from reports.page.page import PLAYER
-from reports.page.run_entries import RunEntry, run_entries
+from reports.page.run_entries import RunEntry, opening_entry, run_entries
 from reports.page.templating import asset, rendered, script, write_text
 from reports.run.load import SavedRun, read_film
 from reports.stress.load import StressFolder, load_stress
@@ -27,13 +27,9 @@ from reports.stress.sections import (
     maps,
     probabilities,
 )
-from reports.stress.words import (
-    GOAL_WORDS,
-    MEASURE_WORDS,
-    interval_text,
-    share_text,
-)
+from reports.stress.words import interval_text, share_text
 from reports.summary.text import count
+from reports.words import GOAL_WORDS, MEASURE_WORDS
 
 MOST_VERDICTS = 6  # sentences at the top
 
@@ -60,7 +56,7 @@ def build_stress_page(folders: Sequence[StressFolder]) -> str:
     systems = list(dict.fromkeys(_systems(folders)))
     return rendered(
         "stress.html.j2",
-        css=asset("page.css", "player.css", "stress.css"),
+        css=asset("page.css", "player.css", "stage.css", "stress.css"),
         scripts=[script("report.js"), script(*PLAYER)],
         title=f"Stress test: {', '.join(systems)}",
         systems=systems,
@@ -75,6 +71,7 @@ def build_stress_page(folders: Sequence[StressFolder]) -> str:
         commands=commands(played),
         sections=sections,
         entries=entries,
+        opening=opening_entry(entries),
         films_left_out=left_out,
         targets=TARGETS,
         count=count,

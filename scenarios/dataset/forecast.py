@@ -12,10 +12,11 @@ from tempfile import TemporaryDirectory
 from rich.filesize import decimal
 
 from pjpdaf.errors import BenchError, InfrastructureError
+from scenarios.execute.executor import Executor
 from scenarios.play.recipe import Recipe
 from scenarios.spec.draw import setting_of
 from sim.dataset.writer import write_frame
-from sim.processes import Answer, WorkerPool
+from sim.processes import Answer
 from sim.sequence import Simulation
 
 LEAST_FRAMES = 100  # a smaller data set is there before its size is known
@@ -106,7 +107,7 @@ def refuse_without_room(expected: Forecast, out: Path) -> int:
     return free
 
 
-def try_sequences(pool: WorkerPool, recipes: Mapping[int, Recipe]) -> dict[int, Trial]:
+def try_sequences(executor: Executor, recipes: Mapping[int, Recipe]) -> dict[int, Trial]:
     """Make frames of a few sequences, evenly spread, in workers. A sequence that fails is left out.
 
     recipes: of the sequences that are to be made, by index; none of fewer than `LEAST_FRAMES`.
@@ -120,7 +121,7 @@ def try_sequences(pool: WorkerPool, recipes: Mapping[int, Recipe]) -> dict[int, 
     chosen = sorted({indices[(2 * k + 1) * len(indices) // (2 * count)] for k in range(count)})
     tasks = {index: recipes[index] for index in chosen}
     trials = {}
-    for ended in pool.outcomes(_try_sequence, tasks, TRIAL_LIMIT_S, attempts=1):
+    for ended in executor.outcomes(_try_sequence, tasks, TRIAL_LIMIT_S, attempts=1):
         if ended is None:
             continue
         index, outcome = ended
