@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from pjpdaf.errors import BenchError
+from scenarios.cli.help import SentenceGroup
 from scenarios.cli.options import (
     Cluster,
     DatasetFolder,
@@ -18,7 +19,7 @@ from scenarios.cli.options import (
     Targets,
 )
 
-app = typer.Typer(help="Labelled stereo data sets.", no_args_is_help=True)
+app = typer.Typer(cls=SentenceGroup, help="Labelled stereo data sets.", no_args_is_help=True)
 
 
 @app.command()

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from scenarios.cli.help import SentenceGroup
 from scenarios.cli.options import RunFolder
 
 
@@ -64,6 +65,7 @@ def compare(
 
 
 baseline = typer.Typer(
+    cls=SentenceGroup,
     help="Accepted runs, which later runs are compared with; small enough for git.",
     no_args_is_help=True,
 )
@@ -79,7 +81,7 @@ def accept(
     run_folder: RunFolder,
     out: Annotated[
         Path | None,
-        typer.Argument(metavar="[DIR]", help="Folder of the baseline [baselines/NAME]."),
+        typer.Argument(metavar="DIR", help="Folder of the baseline [baselines/NAME]."),
     ] = None,
 ) -> None:
     """Accept a run: put what `compare` needs of it in the place of the baseline before.

@@ -25,12 +25,15 @@ from scenarios.cli import (
     stress,
     stress_maps,
 )
+from scenarios.cli.help import CONTEXT, SentenceGroup
 from scenarios.cli.streams import discard_output, surviving_readers
 
 DEBUG = "--debug"
 
 app = typer.Typer(
     name="pjpdaf-bench",
+    cls=SentenceGroup,
+    context_settings=CONTEXT,
     help="Render a seated person from two calibrated cameras, track head and both hands in 3-D, "
     "and score the result against the exact truth.",
     no_args_is_help=True,

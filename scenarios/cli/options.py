@@ -12,7 +12,7 @@ from pjpdaf.layouts import LAYOUTS, Layout
 
 Targets = Annotated[
     list[str] | None,
-    typer.Argument(metavar="[SCENARIO|SUITE]...", help="Names, or YAML files."),
+    typer.Argument(metavar="SCENARIO|SUITE", help="Names, or YAML files."),
 ]
 RunFolder = Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a saved run.")]
 DatasetFolder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a data set.")]

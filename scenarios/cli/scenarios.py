@@ -8,9 +8,10 @@ from typing import Annotated
 import typer
 
 from pjpdaf.errors import BenchError
+from scenarios.cli.help import SentenceGroup
 from scenarios.cli.options import ScenarioSettings
 
-app = typer.Typer(help="The catalogue of scenarios.", no_args_is_help=True)
+app = typer.Typer(cls=SentenceGroup, help="The catalogue of scenarios.", no_args_is_help=True)
 
 
 @app.command("list")
@@ -78,7 +79,7 @@ def show(
 @app.command("measure")
 def measure(
     names: Annotated[
-        list[str] | None, typer.Argument(metavar="[SCENARIO]...", help="Names, or YAML files.")
+        list[str] | None, typer.Argument(metavar="SCENARIO", help="Names, or YAML files.")
     ] = None,
     seeds: Annotated[int, typer.Option(help="Draws of each scenario, seeds 0 to N-1.")] = 3,
 ) -> None:
@@ -101,7 +102,7 @@ def measure(
 
 @app.command("validate")
 def validate(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Scenario files.")],
+    files: Annotated[list[Path], typer.Argument(metavar="FILE", help="Scenario files.")],
 ) -> None:
     """Check scenario files; every fault with its line and column. Exit code 2 if there is any."""
     from scenarios.spec.loader import load_scenario_file

@@ -112,4 +112,4 @@ def test_unknown_names_get_a_suggestion(find, word, message):
     with pytest.raises(BenchError) as fault:
         find(word)
     assert str(fault.value).startswith(message)
-    assert str(fault.value).endswith("; or give a .yaml file")
+    assert str(fault.value).endswith("; a file of your own ends in .yaml")
