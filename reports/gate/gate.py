@@ -26,6 +26,7 @@ from reports.gate.verdict import (
 )
 from reports.run.failures import failures_of
 from reports.run.load import SavedRun
+from reports.summary.text import count
 
 ALPHA = 0.05
 BUDGET = 0.05  # share of episodes that the base may lack results of
@@ -120,7 +121,7 @@ def check_base(base: SavedRun, values: pd.DataFrame) -> None:
     if absent == len(known) or len(broken) > BUDGET * len(known):
         first = rows.iloc[0]
         raise InfrastructureError(
-            f"{base.folder}: {absent} of {len(known)} episodes have no result, the first: "
+            f"{base.folder}: {absent} of {count(len(known), 'episode')} have no result, the first: "
             f"{first['scenario']} seed {first['seed']}: {first['failure']}; play the base again"
         )
 

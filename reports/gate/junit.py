@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 from reports.gate.advice import advice_lines
 from reports.gate.text import cap_text, number, unit_text
 from reports.gate.verdict import GroupDifference, Verdict
+from reports.summary.text import count
 
 _UNPRINTABLE = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -72,7 +73,7 @@ def _sentence(difference: GroupDifference) -> str:
     return (
         f"{metric.name} {difference.verdict}: {number(difference.difference, '+')}"
         f"{unit_text(metric)} an episode (margin {metric.margin:g}; {number(difference.base)} to "
-        f"{number(difference.new)}) over {difference.episodes} episodes of "
+        f"{number(difference.new)}) over {count(difference.episodes, 'episode')} of "
         f"{clean(difference.group)}" + (f"; {capped}" if (capped := cap_text(difference)) else "")
     )
 

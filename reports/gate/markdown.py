@@ -15,6 +15,7 @@ from reports.gate.text import (
     unit_text,
 )
 from reports.gate.verdict import Advice, EpisodeDifference, GroupDifference, MetricVerdict, Verdict
+from reports.summary.text import count
 
 MARKDOWN_LIMIT = 64_000  # bytes: forges drop longer summaries
 SYMBOLS = {"pass": "✅", "fail": "❌", "inconclusive": "❔"}
@@ -30,7 +31,8 @@ def markdown(verdict: Verdict) -> str:
     lines = [
         f"## Tracking accuracy: {SYMBOLS[verdict.verdict]} {title}",
         "",
-        f"{_code(verdict.new)} against {_code(verdict.base)}, {verdict.episodes} paired episodes.",
+        f"{_code(verdict.new)} against {_code(verdict.base)}, "
+        f"{count(verdict.episodes, 'paired episode')}.",
         "",
         f"| metric | base | new | difference ({share}) | margin | verdict |",
         "|---|---:|---:|---:|---:|---|",
@@ -41,7 +43,10 @@ def markdown(verdict: Verdict) -> str:
     if verdict.advice is not None:
         lines += _advice(verdict.advice)
     if verdict.left_out:
-        lines += ["", f"Left out: {verdict.left_out} episodes without a result in the base."]
+        lines += [
+            "",
+            f"Left out: {count(verdict.left_out, 'episode')} without a result in the base.",
+        ]
     for note in verdict.notes:
         lines += ["", f"Note: {_code(note)}"]
     beyond = [g for g in verdict.groups if g.beyond]

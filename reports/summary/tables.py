@@ -118,7 +118,7 @@ def verdict(summary: Summary) -> str:
     """The outcome of a run in one line."""
     overall = summary.overall
     if overall.frames == 0:
-        return f"{overall.episodes} episodes, none with a result."
+        return f"{count(overall.episodes, 'episode')}, none with a result."
     many = len(summary.scenarios)
     parts = [
         f"{count(overall.episodes, 'episode')} of {count(many, 'scenario')}: "

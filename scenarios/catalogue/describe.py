@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from reports.summary.plain_table import plain_table
+from reports.summary.text import count
 from scenarios.console.tables import print_table
 from scenarios.spec.draw import concrete, perform
 from scenarios.spec.names import resolve, scenarios_of
@@ -56,7 +57,7 @@ def _suite_head(suite: Suite) -> Iterator[str]:
     members = {scenario.name: scenario for _, scenario in scenarios_of(suite)}
     yield f"{suite.name} (suite, version {suite.version})"
     yield suite.summary
-    yield f"{len(suite.scenarios)} entries, {suite.seeds} seeds each unless the entry says"
+    yield f"{len(suite.scenarios)} entries, {count(suite.seeds, 'seed')} each unless the entry says"
     yield f"digest: {suite_digest(suite, members)}"
     yield ""
 
@@ -87,7 +88,7 @@ def _scenario_head(scenario: Scenario) -> Iterator[str]:
     yield scenario.summary
     if scenario.thesis:
         yield f"thesis: {scenario.thesis}"
-    length = f"{scenario.frames} frames at {scenario.fps:g} a second"
+    length = f"{count(scenario.frames, 'frame')} at {scenario.fps:g} a second"
     if scenario.rates:
         rates = ", ".join(f"{rate:g}" for rate in scenario.rates)
         length = f"{scenario.frames / scenario.fps:g} s at {rates} frames a second each"

@@ -14,6 +14,7 @@ from pjpdaf.errors import BenchError, InfrastructureError
 from reports.pictures.contact_sheet import contact_sheet
 from reports.pictures.film import FilmWriter, film_suffix
 from reports.pictures.truth_overlay import truth_picture
+from reports.summary.text import count
 from scenarios.catalogue.frame_choice import representative_frames, truths_without_pictures
 from scenarios.console.interrupts import unwritten_if_interrupted
 from scenarios.console.progress import progress
@@ -63,7 +64,8 @@ def film_scenario(request: FilmRequest) -> str:
     with unwritten_if_interrupted(request.film), written_whole_file(request.film, kind) as part:
         if suffix == MP4:
             _film(performance, indices, part, title)
-            return f"film: {request.film} ({len(indices)} frames at {performance.fps:g} a second)"
+            frames = count(len(indices), "frame")
+            return f"film: {request.film} ({frames} at {performance.fps:g} a second)"
         chosen = _sheet(performance, indices, part, title)
         return f"sheet: {request.film} (frames {', '.join(map(str, chosen))})"
 

@@ -105,6 +105,7 @@ def validate(
     files: Annotated[list[Path], typer.Argument(metavar="FILE", help="Scenario files.")],
 ) -> None:
     """Check scenario files; every fault with its line and column. Exit code 2 if there is any."""
+    from reports.summary.text import count
     from scenarios.spec.loader import load_scenario_file
 
     faulty = False
@@ -115,7 +116,9 @@ def validate(
             typer.echo(str(fault), err=True)
             faulty = True
         else:
-            typer.echo(f"{file}: ok ({scenario.name}, {len(scenario.parameters)} parameters)")
+            typer.echo(
+                f"{file}: ok ({scenario.name}, {count(len(scenario.parameters), 'parameter')})"
+            )
     if faulty:
         raise typer.Exit(2)
 

@@ -167,4 +167,4 @@ def _only(renderers: Collection[str]) -> str:
 
 def _finished(out: Path, entries: Sequence[SequenceEntry]) -> str:
     done = sum((out / entry.folder).is_dir() for entry in entries)
-    return f"{done} of {len(entries)} sequences are in {out}; the same command goes on"
+    return f"{done} of {count(len(entries), 'sequence')} are in {out}; the same command goes on"

@@ -19,6 +19,7 @@ from reports.footage.tracks import TrackWriter
 from reports.page.templating import write_text
 from reports.pictures.film import FilmWriter
 from reports.pictures.overlay import encode_jpeg, overlay_picture
+from reports.summary.text import count
 from scenarios.console.folder import written_whole
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
 from scenarios.console.progress import progress
@@ -54,13 +55,13 @@ def track(request: TrackRequest) -> None:
     print_table(status_table(record), out)
     for line in (
         f"{record.frames} stereo frames, {record.seconds:.1f} s, "
-        f"{record.missing_pictures} pictures missing. {record.verdict()}",
+        f"{count(record.missing_pictures, 'picture')} missing. {record.verdict()}",
         f"tracks: {request.out / 'tracks.csv'}",
         f"film:   {request.out / film.name}" if film else "film:   none",
         f"report: {request.out / 'report.html'}",
     ):
         out.print(line, markup=False, highlight=False, soft_wrap=True)
-    kept = f"the first {record.frames} frames are saved in {request.out}"
+    kept = f"the first {count(record.frames, 'frame')} are saved in {request.out}"
     if fault is not None:
         raise fault.reworded(f"{str(fault).rstrip('.')}; {kept}")
     if arrived.arrived:

@@ -28,6 +28,7 @@ from reports.gate.verdict import MetricVerdict, Verdict
 from reports.run.load import SavedRun, load
 from reports.run.provenance import provenance
 from reports.summary.plain_table import plain_table
+from reports.summary.text import count
 from scenarios.console.interrupts import interrupts
 from scenarios.console.progress import progress
 from scenarios.console.tables import print_table
@@ -153,11 +154,12 @@ def write_verdict(verdict: Verdict, folder: Path, argv: tuple[str, ...] = ()) ->
 def sentence(verdict: Verdict) -> str:
     """The outcome in one line."""
     if verdict.identical:
-        return f"pass: all {verdict.episodes} episodes gave the same results, bit for bit"
+        return f"pass: all {count(verdict.episodes, 'episode')} gave the same results, bit for bit"
     words = [m.metric.name for m in verdict.metrics if m.verdict == verdict.verdict]
     if verdict.verdict == "pass":
-        return f"pass: no metric is worse by more than its margin ({verdict.episodes} episodes)"
-    return f"{verdict.verdict}: {', '.join(words)} ({verdict.episodes} paired episodes)"
+        episodes = count(verdict.episodes, "episode")
+        return f"pass: no metric is worse by more than its margin ({episodes})"
+    return f"{verdict.verdict}: {', '.join(words)} ({count(verdict.episodes, 'paired episode')})"
 
 
 def verdict_table(verdict: Verdict) -> Table:

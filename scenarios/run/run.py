@@ -98,7 +98,7 @@ def _play_and_save(
         except ClusterFault as fault:
             goes_on = f"`{resume_command(run.shown, request)}` goes on, here or on a cluster"
             raise fault.reworded(
-                f"{fault}; {run.kept} of {len(run.jobs)} episodes are kept"
+                f"{fault}; {run.kept} of {count(len(run.jobs), 'episode')} are kept"
                 + (f"; {goes_on}" if run.kept else "")
             ) from fault
     # From here on signals are only counted: saving goes on to its end.
@@ -128,8 +128,8 @@ def _play_and_save(
     if arrived.arrived:
         remedy = f"; `{resume_command(run.shown, request)}` goes on" if played.interrupted else ""
         raise Interrupted(
-            f"interrupted: {len(played.rows)} of {len(run.jobs)} episodes are in the saved run"
-            f"{remedy}"
+            f"interrupted: {len(played.rows)} of {count(len(run.jobs), 'episode')} are in the "
+            f"saved run{remedy}"
         )
     refuse_failures(played)
     refuse_regressions(corpus)
@@ -184,7 +184,7 @@ def refuse_failures(played: PlayResults) -> None:
     if failed:
         first = failed[0]
         raise InfrastructureError(
-            f"{len(failed)} of {len(played.rows)} episodes gave no result, the first: "
+            f"{len(failed)} of {count(len(played.rows), 'episode')} gave no result, the first: "
             f"{first.scenario} seed {first.seed}: {first.failure}"
         )
 
