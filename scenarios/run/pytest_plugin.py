@@ -192,9 +192,15 @@ def _play_and_save(
 
 def _report(run: BenchRun, origin: str) -> str:
     """What pytest prints of a run whose test fails."""
-    from reports.summary.tables import verdict
+    from reports.summary.text import count, number, percent
 
-    return "\n".join(filter(None, (verdict(run.summary), origin, f"run: {run.saved.folder}")))
+    figures = (
+        f"{count(run.overall.episodes, 'episode')} of "
+        f"{count(len(run.summary.scenarios), 'scenario')}: {percent(run.within_100)} of "
+        f"target-frames within 100 mm, median error {number(run.median_error_mm)} mm, hands "
+        f"swapped in {run.swapped}, a target lost in {run.lost}"
+    )
+    return "\n".join(filter(None, (figures, origin, f"run: {run.saved.folder}")))
 
 
 @dataclass(frozen=True)
