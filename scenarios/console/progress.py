@@ -122,7 +122,10 @@ class Meter:
         bar = ProgressBar(
             total=1.0, completed=share or 0.0, width=width, pulse=share is None and self.done == 0
         )
-        line.add_row(Text(self.doing), bar, Text(self.figures()))
+        figures = self.figures()
+        if "left" not in figures:  # something moves from the first second on
+            figures = f"{figures} {duration(self._clock() - self._begun_s)} gone".strip()
+        line.add_row(Text(self.doing), bar, Text(figures))
         return line
 
 

@@ -79,7 +79,7 @@ def test_the_live_line_is_one_line_and_cuts_the_words_first(columns):
     console = Console(file=io.StringIO(), width=columns)
     console.print(meter.live_line(columns))
     (line,) = console.file.getvalue().splitlines()
-    assert line.rstrip().endswith("1/100 frames")
+    assert line.rstrip().endswith("1/100 frames 0 s gone")
     assert len(line) <= columns
 
 
