@@ -57,12 +57,18 @@ class Lost:
     """A task without an answer.
 
     late: it exceeded its time limit; otherwise its worker was killed in each of `attempts`
-    attempts, the last time with `exit_code`.
+    attempts, the last time with `exit_code`, None where that is not known.
     """
 
     late: bool
     attempts: int
     exit_code: int | None = None
+
+    @property
+    def death(self) -> str:
+        """What happened to its worker, for messages; of a task that is not late."""
+        code = "" if self.exit_code is None else f" (exit code {self.exit_code})"
+        return f"its worker died {self.attempts} times{code}"
 
 
 class WorkerPool:
@@ -124,22 +130,20 @@ class WorkerPool:
         Raises InfrastructureError; not where a worker is killed from outside, as for want of
         memory: that is no fault of OpenGL's.
         """
-        code = None
+        lost = Lost(late=False, attempts=0)
         for _ in range(ATTEMPTS):
-            outcomes = self.outcomes(_check_renderer, {0: None}, SELF_TEST_LIMIT_S, attempts=1)
+            outcomes = self.outcomes(describe_renderer, {0: None}, SELF_TEST_LIMIT_S, attempts=1)
             outcome = next(indexed for indexed in outcomes if indexed is not None)[1]
             if isinstance(outcome, Answer):
                 return outcome.value
-            if outcome.late:
-                raise InfrastructureError(
-                    "OpenGL did not render one picture within 120 s; try MUJOCO_GL=osmesa"
-                )
-            code = outcome.exit_code
-            if code != -signal.SIGKILL:
+            lost = outcome
+            if lost.late or lost.exit_code != -signal.SIGKILL:
                 break
-        raise InfrastructureError(
-            f"OpenGL ends the process (exit code {code}); see what `pjpdaf-bench doctor` says"
-        )
+        raise renderer_fault(lost)
+
+    def renderers(self) -> frozenset[str]:
+        """The description of the one renderer here. Raises as `renderer`."""
+        return frozenset({self.renderer()})
 
     def close(self) -> None:
         """End all workers now, also those that are still starting or have a task."""
@@ -267,14 +271,14 @@ def serve(pipe: Any) -> None:
         try:
             answer = _RETURNED, function(task)
         except Exception as fault:
-            answer = _RAISED, _sendable(fault)
+            answer = _RAISED, sendable(fault)
         try:
             pipe.send(answer)
         except (AttributeError, TypeError, pickle.PicklingError) as fault:
             pipe.send((_RAISED, RuntimeError(f"its answer cannot be sent: {fault}")))
 
 
-def _sendable(fault: Exception) -> Exception:
+def sendable(fault: Exception) -> Exception:
     """The exception as another process can read it; an unforeseen one tells where it was raised."""
     if isinstance(fault, BenchError):
         return fault
@@ -315,13 +319,25 @@ def _terminal_signals_blocked() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _check_renderer(_: None) -> str:
+def describe_renderer(_: None) -> str:
+    """In a worker: the renderer's description, after the self-test. Raises InfrastructureError."""
     from sim import gl
     from sim.camera import selftest
 
     gl.prepare()
     selftest.check()
     return gl.describe()
+
+
+def renderer_fault(lost: Lost) -> InfrastructureError:
+    """The fault of a self-test without an answer."""
+    if lost.late:
+        return InfrastructureError(
+            "OpenGL did not render one picture within 120 s; try MUJOCO_GL=osmesa"
+        )
+    return InfrastructureError(
+        f"OpenGL ends the process (exit code {lost.exit_code}); see what `pjpdaf-bench doctor` says"
+    )
 
 
 def check_renderer() -> str:

@@ -64,3 +64,10 @@ class SlowToArrive:
 
     def __reduce__(self):
         return time.sleep, (1.0,)
+
+
+def mixed(x):
+    """One that ends its process, one that hangs, and many that answer."""
+    if x == 2:
+        time.sleep(1000)
+    return dies(x)

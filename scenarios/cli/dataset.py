@@ -9,7 +9,14 @@ from typing import Annotated
 import typer
 
 from pjpdaf.errors import BenchError
-from scenarios.cli.options import DatasetFolder, ExportFormats, Jobs, ScenarioSettings, Targets
+from scenarios.cli.options import (
+    Cluster,
+    DatasetFolder,
+    ExportFormats,
+    Jobs,
+    ScenarioSettings,
+    Targets,
+)
 
 app = typer.Typer(help="Labelled stereo data sets.", no_args_is_help=True)
 
@@ -45,6 +52,7 @@ def make(
     ] = False,
     settings: ScenarioSettings = None,
     jobs: Jobs = None,
+    cluster: Cluster = None,
     recipe: Annotated[
         Path | None,
         typer.Option(metavar="recipe.json", help="Instead: this one sequence again."),
@@ -84,6 +92,7 @@ def make(
             exports=parse_formats(export, chosen),
             ladder=ladder,
             jobs=jobs,
+            cluster=cluster,
         )
     )
 

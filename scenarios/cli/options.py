@@ -26,6 +26,13 @@ ScenarioSettings = Annotated[
     typer.Option("--set", metavar="KEY=VALUE", help="Change a scenario parameter. Repeatable."),
 ]
 Jobs = Annotated[int | None, typer.Option(help="Worker processes [all cores].")]
+Cluster = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS|local:N",
+        help="Play on a Dask cluster: its scheduler's tcp://HOST:PORT, or N workers started here.",
+    ),
+]
 Detections = Annotated[
     Path | None,
     typer.Option(

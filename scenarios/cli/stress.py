@@ -11,7 +11,7 @@ from typer.core import TyperGroup
 
 from pjpdaf.errors import BenchError
 from pjpdaf.presets.names import DEFAULT_PRESET
-from scenarios.cli.options import Jobs, PlugInName, PresetName
+from scenarios.cli.options import Cluster, Jobs, PlugInName, PresetName
 
 if TYPE_CHECKING:  # the verbs import it when they run: `--help` is quick
     from scenarios.stress.campaign import CampaignRequest
@@ -94,7 +94,7 @@ def campaign_of(
     against: str | None = None,
     **others: Any,
 ) -> CampaignRequest:
-    """The campaign of a verb by its options. others: seed, jobs, out, time_limit_s."""
+    """The campaign of a verb by its options. others: seed, jobs, cluster, out, time_limit_s."""
     from scenarios.stress.campaign import CampaignRequest
 
     return CampaignRequest(
@@ -125,7 +125,7 @@ def search(
         str, typer.Option(metavar="A,B", help="Of swap, head (a swap with it), lost; or all.")
     ] = "all",
     budget: Annotated[
-        int, typer.Option(help="Runs a family; the last failures are analysed beyond it.")
+        int, typer.Option(help="Runs a family, what narrows failures down included.")
     ] = 500,
     distinct: Annotated[int, typer.Option(help="End with so many distinct failures.")] = 20,
     patience: Annotated[int, typer.Option(help="End after so many runs without a new one.")] = 2000,
@@ -139,6 +139,7 @@ def search(
     fidelity: FidelityName = None,
     seed: Seed = 0,
     jobs: Jobs = None,
+    cluster: Cluster = None,
     out: StressOut = None,
     time_limit: TimeLimit = 900.0,
 ) -> None:
@@ -162,6 +163,7 @@ def search(
                 against=against,
                 seed=seed,
                 jobs=jobs,
+                cluster=cluster,
                 out=out,
                 time_limit_s=time_limit,
             ),
@@ -183,12 +185,13 @@ def shrink(
     fidelity: FidelityName = None,
     seed: Seed = 0,
     jobs: Jobs = None,
+    cluster: Cluster = None,
     out: StressOut = None,
     time_limit: TimeLimit = 900.0,
 ) -> None:
-    """Shrink CASE.yaml: fewest and smallest changes from nominal, fewest frames.
+    """Shrink CASE.yaml: fewest changes from nominal, then smaller ones, then fewest frames.
 
-    A form counts if it fails with 6 of 8 fresh noise seeds. Writes minimal.yaml and severe.yaml.
+    It must fail with 6 of 8 fresh noise seeds. At most 150 runs; writes minimal.yaml, severe.yaml.
     """
     from scenarios.stress.campaign import CampaignRequest
     from scenarios.stress.shrink_verb import ShrinkRequest, shrink_verb
@@ -199,6 +202,7 @@ def shrink(
         fidelity=fidelity_named(fidelity),
         seed=seed,
         jobs=jobs,
+        cluster=cluster,
         out=out,
         time_limit_s=time_limit,
     )

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Collection, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
+from pathlib import Path
 
 from rich.console import Console
 from rich.filesize import decimal
 
+from pjpdaf.errors import BenchError
 from reports.summary.text import count
 from scenarios.console.interrupts import Interrupted, interrupts
 from scenarios.dataset.finish import finish_dataset
@@ -26,26 +29,26 @@ from scenarios.dataset.sequence_plan import (
     sequence_entry,
 )
 from scenarios.dataset.sequence_task import SequenceTask, library_versions, make_sequences
-from scenarios.execute.local import worker_count
+from scenarios.execute.executor import ClusterFault, Executor
+from scenarios.execute.place import executor_at, place_of
 from sim.dataset.files.layout import (
     MANIFEST,
     PART,
 )
-from sim.dataset.files.manifest import manifest_record, write_manifest
+from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
 from sim.files import disk_faults
-from sim.processes import WorkerPool
 
 # A worker is replaced after this many sequences: whatever a driver leaks goes with it.
 SEQUENCES_A_WORKER = 64
 
 
-def make_dataset(request: MakeRequest, workers: WorkerPool | None = None) -> None:
+def make_dataset(request: MakeRequest, workers: Executor | None = None) -> None:
     """Make a data set, or go on with an unfinished one, and print its size.
 
-    workers: a pool of the caller's, which stays open; without it `request.jobs` are started.
+    workers: an executor of the caller's, which stays open; without it `request.jobs` are started.
     Raises BenchError; Interrupted after a signal.
     """
-    jobs = worker_count(request.jobs)
+    place = place_of(request.jobs, request.cluster)
     recipes = plan_recipes(request)
     out = request.out.absolute()
     settings = {**request.labels.record(), "ladder": request.ladder}
@@ -57,9 +60,12 @@ def make_dataset(request: MakeRequest, workers: WorkerPool | None = None) -> Non
     with only_process(out), interrupts() as arrived, arrived.raising():
         check_same_dataset(out, settings, entries)
         try:
-            own = WorkerPool(jobs, SEQUENCES_A_WORKER)
-            with own if workers is None else nullcontext(workers) as pool:
-                made_with = {"renderer": pool.renderer(), "versions": library_versions()}
+            own = executor_at(place, tasks_per_worker=SEQUENCES_A_WORKER)
+            with own if workers is None else nullcontext(workers) as executor:
+                made_with = {
+                    "renderer": _only(executor.renderers()),
+                    "versions": library_versions(),
+                }
                 check_same_versions(out, made_with)
                 remove_leftovers(out)
                 if not (out / MANIFEST).exists():
@@ -77,17 +83,17 @@ def make_dataset(request: MakeRequest, workers: WorkerPool | None = None) -> Non
                 frames = sum(entries[index].frames for index in tasks)
                 started = time.perf_counter()
                 with MakeProgress(console, tasks, frames) as progress:
-                    written = make_sequences(pool, tasks, progress.step)
+                    written = make_sequences(
+                        executor, tasks, progress.step, apart=bool(place.scheduler)
+                    )
             remove_leftovers(out)  # of workers that were killed
             wall_s = time.perf_counter() - started
             finish_dataset(out, entries, settings, made_with, request.exports, command)
         except KeyboardInterrupt:
             remove_leftovers(out)
-            done = sum((out / entry.folder).is_dir() for entry in entries)
-            raise Interrupted(
-                f"interrupted: {done} of {len(entries)} sequences are in {out}; the same command "
-                "goes on"
-            ) from None
+            raise Interrupted(f"interrupted: {_finished(out, entries)}") from None
+        except ClusterFault as fault:
+            raise fault.reworded(f"{fault}; {_finished(out, entries)}") from fault
         except BaseException:
             remove_leftovers(out)
             raise
@@ -96,5 +102,20 @@ def make_dataset(request: MakeRequest, workers: WorkerPool | None = None) -> Non
     if tasks:
         summary += f", {decimal(size)} in {wall_s:.0f} s ({frames / wall_s:.1f} frames/s)"
     kept = len(entries) - len(tasks)
-    print(f"{summary}, {count(jobs, 'worker')}" + (f"; {kept} were there" if kept else ""))
+    print(f"{summary}, {place}" + (f"; {kept} were there" if kept else ""))
     print(f"data set: {request.out}")
+
+
+def _only(renderers: Collection[str]) -> str:
+    """The renderer of all workers. Raises BenchError where they differ."""
+    if len(renderers) > 1:
+        raise BenchError(
+            f"the workers draw with different renderers ({'; '.join(sorted(renderers))}): the "
+            "pictures of a data set must be of one; use workers of one kind"
+        )
+    return next(iter(renderers))
+
+
+def _finished(out: Path, entries: Sequence[SequenceEntry]) -> str:
+    done = sum((out / entry.folder).is_dir() for entry in entries)
+    return f"{done} of {len(entries)} sequences are in {out}; the same command goes on"

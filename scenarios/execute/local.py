@@ -29,7 +29,10 @@ def worker_count(jobs: int | None) -> int:
 
 
 @contextmanager
-def local_executor(workers: int) -> Iterator[Executor]:
-    """An executor with this many worker processes, which end with the block."""
-    with WorkerPool(workers) as pool:
+def local_executor(workers: int, tasks_per_worker: int = 0) -> Iterator[Executor]:
+    """An executor with this many worker processes, which end with the block.
+
+    tasks_per_worker: as of `WorkerPool`.
+    """
+    with WorkerPool(workers, tasks_per_worker) as pool:
         yield pool

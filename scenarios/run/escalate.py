@@ -210,9 +210,7 @@ def play_round(
     grown = []
     for name, run, mine in zip(("base", "new"), runs, jobs, strict=True):
         part, rows = rows[: len(mine)], rows[len(mine) :]
-        played = PlayResults(
-            tuple(part), interrupted=False, renderer=run.meta["provenance"]["renderer"]
-        )
+        played = PlayResults(tuple(part), False, frozenset({run.meta["provenance"]["renderer"]}))
         out = folder / f"{name}-{number + 1}"
         saved = save_run(
             request_of(run),
