@@ -22,7 +22,8 @@ from scenarios.cache.report import origin_line
 from scenarios.cache.settings import cache_settings
 from scenarios.console.folder import unfinished
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
-from scenarios.console.progress import progress_bar
+from scenarios.console.progress import progress
+from scenarios.console.tables import print_table
 from scenarios.execute.episodes import PlayResults, play_all
 from scenarios.execute.executor import ClusterFault, Executor
 from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
@@ -97,7 +98,7 @@ def _play_and_save(
         except ClusterFault as fault:
             goes_on = f"`{resume_command(run.shown, request)}` goes on, here or on a cluster"
             raise fault.reworded(
-                f"{fault}; {run.kept} of {len(run.jobs)} episodes are kept"
+                f"{fault}; {run.kept} of {count(len(run.jobs), 'episode')} are kept"
                 + (f"; {goes_on}" if run.kept else "")
             ) from fault
     # From here on signals are only counted: saving goes on to its end.
@@ -127,8 +128,8 @@ def _play_and_save(
     if arrived.arrived:
         remedy = f"; `{resume_command(run.shown, request)}` goes on" if played.interrupted else ""
         raise Interrupted(
-            f"interrupted: {len(played.rows)} of {len(run.jobs)} episodes are in the saved run"
-            f"{remedy}"
+            f"interrupted: {len(played.rows)} of {count(len(run.jobs), 'episode')} are in the "
+            f"saved run{remedy}"
         )
     refuse_failures(played)
     refuse_regressions(corpus)
@@ -145,7 +146,7 @@ def _print_results(
 ) -> None:
     out = Console()
     table = target_table if request.by_target else scenario_table
-    out.print(table(summarise(saved)))
+    print_table(table(summarise(saved)), out)
     for line in blame_lines(saved.events):
         out.print(f"to blame for {line}", highlight=False)
     if (budget := budget_of(saved)) is not None:
@@ -183,7 +184,7 @@ def refuse_failures(played: PlayResults) -> None:
     if failed:
         first = failed[0]
         raise InfrastructureError(
-            f"{len(failed)} of {len(played.rows)} episodes gave no result, the first: "
+            f"{len(failed)} of {count(len(played.rows), 'episode')} gave no result, the first: "
             f"{first.scenario} seed {first.seed}: {first.failure}"
         )
 
@@ -192,14 +193,18 @@ def _play_with_progress(
     run: UnfinishedRun, executor: Executor, time_limit_s: float, arrived: Interrupts
 ) -> PlayResults:
     """Play what is not finished; each episode is kept as it is finished."""
-    with progress_bar(Console(stderr=True)) as progress:
-        finished = len(run.finished)
-        task = progress.add_task("starting", total=len(run.jobs), completed=finished)
+    frames = [job.frames for job in run.jobs]
+    done = set(run.finished)
+    with progress(running=executor.running_steps) as meter:
+
+        def doing() -> str:
+            return f"{len(done)}/{count(len(run.jobs), 'episode')}"
 
         def on_done(index: int, row: EpisodeRows) -> None:
             run.keep(run.jobs[index], row)
-            label = f"{row.scenario} seed {row.seed}"
-            progress.update(task, advance=1, description=label)
+            done.add(index)
+            meter.finish(frames[index], doing())
 
+        meter.begin(doing(), sum(frames), finished=sum(frames[index] for index in done))
         with arrived.raising():
             return play_all(run.jobs, executor, on_done, time_limit_s, run.finished)
