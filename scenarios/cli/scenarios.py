@@ -30,9 +30,11 @@ def list_catalogue(
 ) -> None:
     """All shipped scenarios and suites: group, frames x frames a second, T if from the thesis."""
     if html is None and markdown is None:
-        from scenarios.catalogue.list_text import catalogue_lines
+        from shutil import get_terminal_size
 
-        for line in catalogue_lines():
+        from scenarios.catalogue.list_text import WIDTH, catalogue_lines
+
+        for line in catalogue_lines(get_terminal_size((WIDTH, 24)).columns):
             typer.echo(line)
         return
     from scenarios.catalogue.pages import write_catalogue
