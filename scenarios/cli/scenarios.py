@@ -91,12 +91,17 @@ def measure(
     """
     from scenarios.catalogue.survey import survey_scenario
     from scenarios.catalogue.survey_table import survey_table
+    from scenarios.console.progress import progress
     from scenarios.console.tables import print_table
     from scenarios.spec.names import load_scenario, scenario_names
+    from sim.steps import counted
 
     if not 1 <= seeds <= 1000:
         raise BenchError(f"--seeds must be between 1 and 1000, got {seeds}")
-    surveys = [survey_scenario(load_scenario(n), range(seeds)) for n in names or scenario_names()]
+    scenarios = [load_scenario(name) for name in names or scenario_names()]
+    with progress() as meter:
+        meter.begin("measuring", len(scenarios), "scenario")
+        surveys = [survey_scenario(one, range(seeds)) for one in counted(scenarios)]
     print_table(survey_table(surveys))
     if any(survey.faults for survey in surveys):
         raise typer.Exit(1)

@@ -10,6 +10,7 @@ from reports.page.page import write_page
 from reports.run.load import load
 from reports.stress.load import is_stress_folder
 from reports.stress.page import write_stress_page
+from scenarios.console.progress import progress
 
 
 def remake_report(run_folders: Sequence[Path], out: Path | None) -> Path:
@@ -20,6 +21,12 @@ def remake_report(run_folders: Sequence[Path], out: Path | None) -> Path:
     """
     if out is None and len(run_folders) > 1:
         raise BenchError("a page of several runs is in none of them: give --out FILE.html")
+    with progress() as meter:
+        meter.begin("writing the page", None)
+        return _write(run_folders, out)
+
+
+def _write(run_folders: Sequence[Path], out: Path | None) -> Path:
     stressed = [is_stress_folder(folder) for folder in run_folders]
     if all(stressed):
         return write_stress_page(run_folders, out or run_folders[0] / "stress.html")

@@ -110,7 +110,8 @@ def _play_and_save(
     if not played.rows:
         raise Interrupted("interrupted before any episode was finished; nothing saved")
     wall_s = time.perf_counter() - started
-    with run.kept_after_faults():
+    with run.kept_after_faults(), progress() as meter:
+        meter.begin("saving the run", None)
         saved = save_run(
             request.plan,
             run.jobs,
@@ -121,6 +122,7 @@ def _play_and_save(
             slim=request.slim,
         )
         if not request.slim:
+            meter.begin("writing the page", None)
             write_page([saved], run.staged / "report.html")
     run.publish()
     corpus = outcomes_of(request.plan.targets, run.jobs, played.rows)
