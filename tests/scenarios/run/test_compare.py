@@ -79,6 +79,7 @@ def test_three_episodes_of_a_useless_tracker_are_inconclusive(runs, tmp_path, ca
     assert json.loads((tmp_path / "badge.json").read_text())["color"] == "yellow"
 
 
+@pytest.mark.long  # eight runs in all
 def test_every_play_it_again_command_works_as_it_is_pasted(tmp_path, monkeypatch):
     """Both forms: of scenarios that are rendered, and of a data set."""
     labels = SequenceSettings((), SIZE_PX)
