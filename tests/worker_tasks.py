@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import sys
 import time
 from pathlib import Path
 
@@ -64,3 +65,16 @@ class SlowToArrive:
 
     def __reduce__(self):
         return time.sleep, (1.0,)
+
+
+def random_number(_):
+    import numpy as np
+
+    return float(np.random.rand())  # noqa: NPY002 - its own generator is the subject
+
+
+def surroundings(name):
+    """Current folder, first of the path and a variable; for "modules": the names of all modules."""
+    if name == "modules":
+        return sorted(sys.modules)
+    return os.getcwd(), sys.path[0], os.environ.get(name)  # noqa: PTH109

@@ -57,7 +57,7 @@ def make_dataset(request: MakeRequest, workers: WorkerPool | None = None) -> Non
     with only_process(out), interrupts() as arrived, arrived.raising():
         check_same_dataset(out, settings, entries)
         try:
-            own = WorkerPool(jobs, SEQUENCES_A_WORKER)
+            own = WorkerPool(jobs, SEQUENCES_A_WORKER, (make_sequences.__module__,))
             with own if workers is None else nullcontext(workers) as pool:
                 made_with = {"renderer": pool.renderer(), "versions": library_versions()}
                 check_same_versions(out, made_with)

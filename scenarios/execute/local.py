@@ -10,6 +10,8 @@ from pjpdaf.errors import BenchError
 from scenarios.execute.executor import Executor
 from sim.processes import WorkerPool
 
+PLAYED_WITH = ("scenarios.execute.episodes",)  # imported once, before workers are forked
+
 
 def worker_count(jobs: int | None) -> int:
     """The number of workers for `--jobs`; None: as many as there are cores.
@@ -31,5 +33,5 @@ def worker_count(jobs: int | None) -> int:
 @contextmanager
 def local_executor(workers: int) -> Iterator[Executor]:
     """An executor with this many worker processes, which end with the block."""
-    with WorkerPool(workers) as pool:
+    with WorkerPool(workers, modules=PLAYED_WITH) as pool:
         yield pool
