@@ -58,7 +58,10 @@ def clean(mask: np.ndarray, open_px: int, close_px: int) -> np.ndarray:
         return mask.copy()
     # Only where the mask is; a rim as wide as the elements reach, so that nothing changes there.
     rim = max(open_px, 0) + max(close_px, 0) + 1
-    rows, columns = slice(max(y - rim, 0), y + height + rim), slice(max(x - rim, 0), x + width + rim)
+    rows, columns = (
+        slice(max(y - rim, 0), y + height + rim),
+        slice(max(x - rim, 0), x + width + rim),
+    )
     window = mask[rows, columns]
     for diameter, operation in ((open_px, cv2.MORPH_OPEN), (close_px, cv2.MORPH_CLOSE)):
         if diameter > 1:

@@ -16,9 +16,9 @@ from pjpdaf.arrays import Floats
 from pjpdaf.interfaces import STATUSES
 from pjpdaf.targets import RIGHT_HAND, TARGETS
 from reports.page.episode_tables import EpisodeTables
-from reports.page.event_text import event_text
 from reports.page.packing import json_text
 from reports.score.records import VIEWS
+from reports.words import event_text, labels_text
 
 _SHAPE = ("x_px", "y_px", "a_px", "b_px", "angle_rad")
 
@@ -47,7 +47,7 @@ def episode_data(episode: EpisodeTables) -> dict[str, Any]:
         "exchange": _deltas(episode.column("exchange_probability")[:, RIGHT_HAND] * 1e3),
         "status": ["".join(str(STATUSES.index(s)) for s in status[:, t]) for t in range(3)],
         "merged": ["".join("01"[int(m)] for m in merged[:, t]) for t in range(3)],
-        "labels": [[i, str(labels[i])] for i in changes if labels[i]],
+        "labels": [[i, labels_text(str(labels[i]).split(";"))] for i in changes],
         "detections": [_detections(episode, view) for view in VIEWS],
         "cameras": [_camera(row) for row in episode.cameras.to_dict("records")],
         "events": [

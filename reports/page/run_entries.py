@@ -13,8 +13,9 @@ from reports.page.episode_tables import EpisodeTables, Key
 from reports.page.packed_films import FILM_BYTES, STILL_BYTES, PackedFilm, packed_films
 from reports.page.player import pack, worst_frame
 from reports.run.load import SavedRun
-from reports.score.ranking import badness, went_wrong, worst_first
+from reports.score.ranking import MAX_WORST, badness, went_wrong, worst_first
 from reports.summary.text import count
+from reports.words import FLAGS
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +48,20 @@ class RunEntry:
         if self.film is None:
             return "no pictures"
         return "film" if self.film.whole else count(len(self.film.pictures), "picture")
+
+
+def opening_entry(entries: Sequence[RunEntry]) -> RunEntry | None:
+    """The episode that the player opens on: the worst, or None without any."""
+    return min(entries, key=_worst_first, default=None)
+
+
+def worst_entries(entries: Sequence[RunEntry]) -> list[RunEntry]:
+    """At most `MAX_WORST` episodes that went wrong, the worst first."""
+    return sorted((e for e in entries if e.went_wrong), key=_worst_first)[:MAX_WORST]
+
+
+def _worst_first(entry: RunEntry) -> tuple[bool, float, float]:
+    return not entry.went_wrong, entry.within_100, -entry.mean_mm
 
 
 def run_entries(
@@ -97,5 +112,4 @@ def _rows_of(run: SavedRun) -> dict[Key, list[Mapping[Any, Any]]]:
 def _flags(events: pd.DataFrame) -> str:
     """Kinds of failure of an episode in words."""
     kinds = set(events["kind"])
-    texts = {"swap": "swapped", "lost": "lost", "capture": "captured"}
-    return ", ".join(text for kind, text in texts.items() if kind in kinds)
+    return ", ".join(text for kind, text in FLAGS.items() if kind in kinds)

@@ -12,6 +12,7 @@ from pjpdaf.errors import BenchError
 from pjpdaf.presets.names import DEFAULT_PRESET
 from scenarios.cli.options import (
     ByTarget,
+    Cluster,
     Detections,
     Jobs,
     Lag,
@@ -41,6 +42,7 @@ def run(
         ),
     ] = None,
     jobs: Jobs = None,
+    cluster: Cluster = None,
     out: RunOut = None,
     first_seed: Annotated[int, typer.Option(help="Where the seeds start.")] = 0,
     only: Annotated[
@@ -100,10 +102,10 @@ def run(
         asked = (targets, seeds, settings, out, only, from_, detections, first_seed, slim)
         if any((*asked, films, lag, no_cache, by_target)) or preset != DEFAULT_PRESET:
             raise BenchError(
-                "--resume goes on with what was asked for: beside it only --jobs, --time-limit, "
-                "and --tracker or --detector, which must be the same"
+                "--resume goes on with what was asked for: beside it only --jobs, --cluster, "
+                "--time-limit, and --tracker or --detector, which must be the same"
             )
-        resume_run(resume, detector, tracker, jobs, time_limit)
+        resume_run(resume, detector, tracker, jobs, cluster, time_limit)
         return
     refuse_both_detectors(detections, detector)
     run_suite(
@@ -125,6 +127,7 @@ def run(
             ),
             preset=preset,
             jobs=jobs,
+            cluster=cluster,
             out=out,
             argv=tuple(sys.argv[1:]),
             slim=slim,
@@ -135,7 +138,7 @@ def run(
 
 
 def report(
-    runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Folders of saved runs.")],
+    runs: Annotated[list[Path], typer.Argument(metavar="RUN", help="Folders of saved runs.")],
     out: Annotated[
         Path | None, typer.Option(help="Where the page goes [RUN/report.html, of one run].")
     ] = None,

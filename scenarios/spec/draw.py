@@ -14,7 +14,7 @@ from scenarios.spec.parameters.file import FileText
 from scenarios.spec.parameters.numeric import Numeric
 from scenarios.spec.parameters.units import UNITS
 from scenarios.spec.scenario import MAX_FRAMES, Scenario
-from scenarios.spec.suggestion import did_you_mean
+from scenarios.spec.suggestion import suggestion
 from sim.contact.contact import Unposable
 from sim.families.registry import FAMILIES
 from sim.motion.measure import fault_of
@@ -46,11 +46,8 @@ def concrete(
     known = (*scenario.parameters, *SETTINGS)
     for name in overrides:
         if name not in known:
-            listed = ", ".join(sorted(known))
-            hint = did_you_mean(name, known) or ";"
-            raise BenchError(
-                f"{scenario.name} has no parameter {name[:60]!r}{hint} known: {listed}"
-            )
+            hint = suggestion(name, known, f"pjpdaf-bench scenarios show {scenario.name}")
+            raise BenchError(f"{scenario.name} has no parameter {name[:60]!r}{hint}")
     values: dict[str, Value] = {}
     for name, parameter in scenario.parameters.items():
         if name in overrides:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from reports.score.robustness import GOALS, measures_of
 from scenarios.stress.case import Case, TrialResult
 from scenarios.stress.search.distinct import DistinctFailure
 from scenarios.stress.search.evaluation import Evaluation
-from scenarios.stress.shrink import Survival, survival_of
+from scenarios.stress.survival import Survival, survival_of
 from sim.randomness import generator
 
 SEEDS = 4  # fresh noise seeds by which the case to render is chosen
+MOST_RUNS = 2 * SEEDS  # of a choice: the case as it came up, and its minimal form
 
 Evaluate = Callable[[Sequence[Case]], list[Evaluation]]
 
@@ -23,13 +24,14 @@ class Counterexample:
 
     case: the one that was rendered, the found or the minimal one, whichever fails oftener with
     fresh noise (survival, in the fidelity of the search); full: its result, None where it was not
-    rendered.
+    rendered; runs: trials of the choice.
     """
 
     failure: DistinctFailure
     case: Case
     survival: Survival
     full: Evaluation | None = None
+    runs: int = 0
 
     @property
     def measure(self) -> str:
@@ -56,14 +58,26 @@ class Counterexample:
         return ", ".join(dict.fromkeys(self.result.blame.values()))
 
 
-def choose(failure: DistinctFailure, evaluate: Evaluate, seed: int) -> Counterexample:
-    """The case of a failure that is most likely to fail again, by `SEEDS` fresh noise seeds."""
-    noise = [int(n) for n in generator(seed, "stress/confirm/noise").integers(2**31, size=SEEDS)]
+def choose(
+    failure: DistinctFailure,
+    evaluate: Evaluate,
+    seed: int,
+    number: int = 0,
+    most: int = MOST_RUNS,
+) -> Counterexample:
+    """The case of a failure that is most likely to fail again, by up to `SEEDS` fresh noise seeds.
+
+    number: of the failure, whose noise is its own; most: trials that it may take.
+    """
+    rng = generator(seed, "stress/confirm/noise", number)
+    noise = [int(n) for n in rng.integers(2**31, size=SEEDS)]
     measure = failure.signature.measure
-    cases = (failure.evaluation.case, failure.minimal)
+    same = failure.minimal == failure.evaluation.case
+    cases = (failure.evaluation.case,) if same else (failure.evaluation.case, failure.minimal)
+    noise = noise[: most // len(cases)]
     tried = [(survival_of(case, measure, evaluate, noise), case) for case in cases]
     survival, case = max(tried, key=lambda pair: pair[0].failed)
-    return Counterexample(failure, case, survival)
+    return Counterexample(failure, case, survival, runs=len(noise) * len(cases))
 
 
 def confirm(
@@ -73,7 +87,4 @@ def confirm(
     order = sorted(range(len(found)), key=lambda n: (-found[n].survival.failed, n))[:most]
     results = evaluate_full([found[n].case for n in order])
     full = dict(zip(order, results, strict=True))
-    return [
-        Counterexample(one.failure, one.case, one.survival, full.get(n))
-        for n, one in enumerate(found)
-    ]
+    return [replace(one, full=full.get(n)) for n, one in enumerate(found)]

@@ -14,14 +14,15 @@ from reports.score.robustness import GOALS, Goal
 from reports.stress.page import write_stress_page
 from reports.stress.records import SearchFile, write_record
 from reports.summary.text import count
+from scenarios.console.tables import print_table
 from scenarios.spec.corpus_case import corpus_files, load_corpus_case
-from scenarios.spec.suggestion import did_you_mean
+from scenarios.spec.suggestion import suggestion
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
 from scenarios.stress.case import Case, Fidelity
 from scenarios.stress.case_file import case_of, corpus_case, write_case
-from scenarios.stress.confirm import Counterexample, choose, confirm
+from scenarios.stress.confirm import MOST_RUNS, Counterexample, choose, confirm
 from scenarios.stress.recording import record_episodes
-from scenarios.stress.search.evaluation import Evaluator
+from scenarios.stress.search.evaluation import Evaluation, Evaluator
 from scenarios.stress.search.page_record import search_record, shown_failures, shown_measure
 from scenarios.stress.search.record import KIND, VERSION, family_record
 from scenarios.stress.search.search import FamilySearch, SearchPlan, search_family
@@ -38,9 +39,9 @@ ALL_GOALS = "all"
 class SearchRequest:
     """The options of `search`. goals: `all`, or some of swap, head, lost with commas between.
 
-    budget: trials a family, in the fidelity of the search; distinct: failures a family that are
-    enough; patience: trials without a new one that are enough; confirm: cases a family that are
-    rendered; corpus: begin with the corpus's cases.
+    budget: trials a family of the system under test, in the fidelity of the search; distinct:
+    failures a family that are enough; patience: trials without a new one that are enough; confirm:
+    cases a family that are rendered; corpus: begin with the corpus's cases.
     """
 
     campaign: CampaignRequest
@@ -55,12 +56,35 @@ class SearchRequest:
 
 @dataclass(frozen=True)
 class FamilyFound:
-    """A family's search and its counterexamples; files: of those that count, by number."""
+    """A family's search and its counterexamples; files: of those that count, by number.
+
+    fresh_runs: trials of the budget with fresh noise; other_runs: of the tracker to compare with.
+    """
 
     search: FamilySearch
     found: tuple[Counterexample, ...]
     fidelity: Fidelity
+    fresh_runs: int = 0
+    other_runs: int = 0
     files: tuple[Path | None, ...] = ()
+
+    @property
+    def runs(self) -> int:
+        """Trials in the fidelity of the search, all that the budget pays for."""
+        return self.search.runs + self.fresh_runs
+
+    @property
+    def runs_text(self) -> str:
+        """As "64 runs in fast: 32 points, 24 to see what matters, 8 with fresh noise"."""
+        points = len(self.search.evaluations)
+        parts = [count(points, "point")]
+        if attributing := self.search.runs - points:
+            parts.append(f"{attributing} to see what matters")
+        if self.fresh_runs:
+            parts.append(f"{self.fresh_runs} with fresh noise")
+        split = f": {', '.join(parts)}" if len(parts) > 1 else ""
+        other = f"; {self.other_runs} of the other tracker" if self.other_runs else ""
+        return f"{count(self.runs, 'run')} in {self.fidelity}{split}{other}"
 
 
 def search_verb(request: SearchRequest) -> None:
@@ -99,8 +123,8 @@ def goals_of(text: str) -> tuple[Goal, ...]:
     words = [word.strip() for word in text.split(",")]
     for word in words:
         if word not in GOALS:
-            hint = did_you_mean(word, GOALS) or ";"
-            raise BenchError(f"--find {word}: unknown{hint} known: {', '.join(GOALS)}, all")
+            hint = suggestion(word, (*GOALS, ALL_GOALS))
+            raise BenchError(f"--find {word[:60]}: unknown{hint}")
     return tuple(goal for goal in GOALS if goal in words)
 
 
@@ -138,15 +162,30 @@ def _search(
         known=known_cases(space) if request.corpus else (),
         distinct=request.distinct,
         patience=request.patience,
+        fresh=MOST_RUNS,
     )
     campaign.progress.start(f"{name}: search", request.budget)
-    search = search_family(space, evaluator.evaluate, plan)
-    campaign.progress.start(f"{name}: fresh noise", len(search.failures) * 8)
-    found = [choose(failure, evaluator.evaluate, seed) for failure in search.failures]
+    other_runs = 0
+
+    def evaluate(cases: Sequence[Case]) -> list[Evaluation]:
+        nonlocal other_runs
+        evaluations = evaluator.evaluate(cases)
+        other_runs += sum(evaluation.other is not None for evaluation in evaluations)
+        return evaluations
+
+    search = search_family(space, evaluate, plan)
+    left = request.budget - search.runs
+    campaign.progress.start(f"{name}: fresh noise", min(left, len(search.failures) * MOST_RUNS))
+    found: list[Counterexample] = []
+    for number, failure in enumerate(search.failures):
+        found.append(choose(failure, evaluate, seed, number, min(left, MOST_RUNS)))
+        left -= found[-1].runs
     most = min(request.confirm, len(found))
     campaign.progress.start(f"{name}: confirm", most)
     in_full = replace(evaluator, fidelity="full")
-    return FamilyFound(search, tuple(confirm(found, in_full.evaluate, most)), fidelity)
+    fresh_runs = sum(one.runs for one in found)
+    confirmed = tuple(confirm(found, in_full.evaluate, most))
+    return FamilyFound(search, confirmed, fidelity, fresh_runs, other_runs)
 
 
 def _with_files(campaign: Campaign, result: FamilyFound) -> FamilyFound:
@@ -168,7 +207,7 @@ def _with_files(campaign: Campaign, result: FamilyFound) -> FamilyFound:
             measure,
             robustness.measures[measure],
             "open",
-            f"{one.failure.signature.words}; fails with {one.survival.text} fresh noise seeds in "
+            f"{one.failure.words}; fails with {one.survival.text} fresh noise seeds in "
             f"{result.fidelity}",
         )
         files.append(folder / f"{name}.yaml")
@@ -182,7 +221,12 @@ def _write_record(campaign: Campaign, results: Sequence[FamilyFound]) -> None:
         "version": VERSION,
         "request": json.loads(campaign.request.identity()),
         "families": [
-            {**family_record(result.search, result.found), "fidelity": result.fidelity}
+            {
+                **family_record(result.search, result.found),
+                "runs": result.runs,
+                "other_runs": result.other_runs,
+                "fidelity": result.fidelity,
+            }
             for result in results
         ],
         "quarantined": [
@@ -202,7 +246,14 @@ def _write_page(campaign: Campaign, results: Sequence[FamilyFound], argv: Sequen
         episodes = shown_failures(result.found, result.files, campaign.system, result.fidelity)
         shown += list(episodes.values())
         records.append(
-            search_record(result.search, result.found, result.files, result.fidelity, episodes)
+            search_record(
+                result.search,
+                result.found,
+                result.files,
+                result.fidelity,
+                episodes,
+                result.fresh_runs,
+            )
         )
     record_episodes(campaign, shown)
     file = SearchFile(
@@ -218,14 +269,14 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound]) -> None:
         search = result.search
         failed = sum(bool(e.result.failed) for e in search.evaluations)
         out.print(
-            f"{search.space.family.name}: {count(search.runs, 'run')} in {result.fidelity}, "
-            f"{failed} of {len(search.evaluations)} points fail, "
+            f"{search.space.family.name}: {result.runs_text}; "
+            f"{failed} of {count(len(search.evaluations), 'point')} fail, "
             f"{count(len(search.failures), 'distinct failure')} (ended by {search.ended})",
             highlight=False,
             soft_wrap=True,
         )
         if result.found:
-            out.print(failure_table(search.space.family.name, result.found))
+            print_table(failure_table(search.space.family.name, result.found), out)
     found = [one for result in results for one in result.found]
     rendered = [one for one in found if one.full is not None]
     if rendered:

@@ -1,6 +1,5 @@
 // One frame everywhere: slider, buttons, list of episodes, address, readout.
 const picker = part("episode");
-const still = matchMedia("(prefers-reduced-motion: reduce)");
 
 function shown() {
   const on = (name) => part("show-" + name).checked;
@@ -106,8 +105,11 @@ for (const [name, paper] of [["beforeprint", true], ["afterprint", false]]) {
 
 start(async () => {
   readTheme();
-  await (follow(true) || load(picker.value, null));
+  // Opens on the worst moment, unless the address names another.
+  const [key, frame] = section.dataset.opening.split("@");
+  await (follow(true) || load(key, Number(frame)));
   html.dataset.ready = "yes";
+  for (const figure of document.querySelectorAll("[data-film]")) await loopFilm(figure);
   for (const canvas of document.querySelectorAll("canvas[data-thumb]")) await thumb(canvas);
   html.dataset.thumbs = "yes";
 });

@@ -104,9 +104,11 @@ function drawSpace(ep, i, show) {
     if (show.truth) {
       ctx.beginPath(); ctx.moveTo(tx - 6, ty); ctx.lineTo(tx + 6, ty); ctx.moveTo(tx, ty - 6); ctx.lineTo(tx, ty + 6); ctx.stroke();
     }
-    if (!show.estimates || Number.isNaN(ep.estimates[t][0][i]) || far(ep.estimates[t], i)) continue;
-    const [x, y] = here(ep.estimates[t]);
+    if (!show.estimates || Number.isNaN(ep.estimates[t][0][i])) continue;
+    const [x, y] = here(ep.estimates[t]), bad = wrong(ep, i, t);
+    ctx.lineWidth = bad ? 4 : 1.6; ctx.strokeStyle = bad ? WRONG : ink.targets[t];
     ctx.beginPath(); ctx.moveTo(tx, ty); ctx.lineTo(x, y); ctx.stroke();
+    ctx.lineWidth = 1.6; ctx.strokeStyle = ink.targets[t];
     shape(ctx, t, x, y, 5.5);
     if (ep.status[t][i] === "1") ctx.fill(); else { ctx.fillStyle = ink.paper; ctx.fill(); ctx.stroke(); }
   }

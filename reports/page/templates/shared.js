@@ -6,6 +6,7 @@ const part = (name) => section.querySelector(`[data-part="${name}"]`);
 const LETTERS = ["H", "R", "L"];
 // Colours on pictures, whatever the theme: drawn on a dark ground with a dark halo.
 const BRIGHT = ["#ff8f5e", "#3fdca0", "#74bdff"], HALO = "rgba(8, 10, 14, .85)", GROUND = "#232a33";
+const still = matchMedia("(prefers-reduced-motion: reduce)");
 const slider = part("slider"), play = part("play"), speed = part("speed");
 const views = [part("left"), part("right")];
 
@@ -41,10 +42,10 @@ function strokeWithHalo(ctx, width, colour) {
   ctx.lineWidth = width; ctx.strokeStyle = colour; ctx.stroke();
 }
 
-function drawLetter(ctx, t, size, font, x, y) {
+function drawLetter(ctx, t, size, font, x, y, mark = "") {
   ctx.font = `600 ${size}px ${font}`; ctx.textAlign = "left"; ctx.lineJoin = "round";
-  ctx.lineWidth = 3; ctx.strokeStyle = HALO; ctx.strokeText(LETTERS[t], x, y);
-  ctx.fillStyle = BRIGHT[t]; ctx.fillText(LETTERS[t], x, y);
+  ctx.lineWidth = 3; ctx.strokeStyle = HALO; ctx.strokeText(LETTERS[t] + mark, x, y);
+  ctx.fillStyle = BRIGHT[t]; ctx.fillText(LETTERS[t] + mark, x, y);
 }
 
 // What is shown. source: the decoded episode or sequence; i: position of its frame.

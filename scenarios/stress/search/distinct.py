@@ -30,11 +30,21 @@ class Signature:
 
 @dataclass(frozen=True)
 class DistinctFailure:
-    """A failure with a signature of its own; minimal: the same with only what matters changed."""
+    """A failure with a signature of its own; minimal: the same with only what matters changed.
+
+    narrowed: whether everything that the signature names is known to matter; the budget may end
+    before.
+    """
 
     signature: Signature
     evaluation: Evaluation
     minimal: Case
+    narrowed: bool = True
+
+    @property
+    def words(self) -> str:
+        """Its signature's cell, and whether more of it may not matter."""
+        return self.signature.words + ("" if self.narrowed else " (budget spent: perhaps less)")
 
 
 def part_of(axis: Axis, value: Value) -> str:
@@ -57,11 +67,12 @@ def attribute(
     space: Space,
     evaluation: Evaluation,
     measure: str,
-    evaluate: Callable[[Case], Sequence[str]],
+    evaluate: Callable[[Case], Sequence[str] | None],
 ) -> DistinctFailure:
     """The failure with the parameters that matter: those that cannot go back to nominal.
 
-    evaluate: the measures that fail for a case. The noise seed stays.
+    evaluate: the measures that fail for a case, None where it cannot be played any more. The noise
+    seed stays.
     """
     case, nominal = evaluation.case, space.nominal()
     changed = [name for name in space.names if case.values[name] != nominal[name]]
@@ -72,10 +83,19 @@ def attribute(
     def with_changes(names: Sequence[str]) -> Case:
         return case.with_values({n: nominal[n] for n in changed if n not in names})
 
-    needed = minimal_changes(changed, lambda names: measure in evaluate(with_changes(names)))
+    narrowed = True
+
+    def fails_with(names: Sequence[str]) -> bool:
+        nonlocal narrowed
+        failed = evaluate(with_changes(names))
+        narrowed = narrowed and failed is not None
+        return failed is not None and measure in failed
+
+    needed = minimal_changes(changed, fails_with)
     cell = tuple(
         (axis.name, part_of(axis, case.values[axis.name]))
         for axis in space.axes
         if axis.name in needed
     )
-    return DistinctFailure(Signature(case.family, measure, cell), evaluation, with_changes(needed))
+    signature = Signature(case.family, measure, cell)
+    return DistinctFailure(signature, evaluation, with_changes(needed), narrowed)

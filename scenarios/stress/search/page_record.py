@@ -23,13 +23,17 @@ def search_record(
     files: Sequence[Path | None],
     fidelity: Fidelity,
     shown: Mapping[int, Shown],
+    fresh_runs: int = 0,
 ) -> SearchRecord:
-    """A family's search; shown: by number, the failures whose episode the page plays."""
+    """A family's search; shown: by number, the failures whose episode the page plays.
+
+    fresh_runs: of its budget, with fresh noise.
+    """
     return SearchRecord(
         family=search.space.family.name,
         fidelity=fidelity,
         parameters=len(search.space.axes),
-        runs=search.runs,
+        runs=search.runs + fresh_runs,
         failing=sum(bool(e.result.failed) for e in search.evaluations),
         first=search.first_failure(),
         ended=search.ended,
@@ -67,7 +71,7 @@ def _failure(
     nominal = space.nominal()
     return FailureRecord(
         measure=shown_measure(one),
-        cell=one.failure.signature.words,
+        cell=one.failure.words,
         case=CaseRecord(family=one.case.family, values=dict(one.case.values), seed=one.case.seed),
         changed=tuple(
             ChangedValue(

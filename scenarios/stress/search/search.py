@@ -35,10 +35,12 @@ Evaluate = Callable[[Sequence[Case]], list[Evaluation]]
 
 @dataclass(frozen=True)
 class SearchPlan:
-    """How to search. budget: trials; goals: the failures that count, in turn; seed: of it all.
+    """How to search. budget: trials, points and what narrows failures down; goals: the failures
+    that count, in turn; seed: of it all.
 
     known: cases to begin with; distinct: enough distinct failures; patience: trials without a new
-    one, after which it ends.
+    one, after which it ends; fresh: trials of the budget that are kept back for each distinct
+    failure, for `scenarios.stress.confirm.choose`.
     """
 
     budget: int = 500
@@ -47,11 +49,13 @@ class SearchPlan:
     known: tuple[Case, ...] = ()
     distinct: int = 20
     patience: int = 2000
+    fresh: int = 0
 
 
 @dataclass(frozen=True)
 class FamilySearch:
-    """The result of a search. evaluations: of all points, in order; runs: trials in all.
+    """The result of a search. evaluations: of all points, in order; runs: trials in all, those
+    that narrow failures down among them.
 
     ended: why it ended: "budget", "distinct" or "patience".
     """
@@ -130,10 +134,15 @@ class _Search:
     starts: dict[Goal, list[Floats]] = field(default_factory=lambda: {goal: [] for goal in GOALS})
 
     @property
+    def left(self) -> int:
+        """Trials that are left: of the budget, without those kept back for the failures so far."""
+        return self.plan.budget - self.runs - self.plan.fresh * len(self.failures)
+
+    @property
     def ended(self) -> str:
         if len(self.failures) >= self.plan.distinct:
             return "distinct"
-        if self.runs >= self.plan.budget:
+        if self.left <= 0:
             return "budget"
         if self.runs - self.runs_at_last >= self.plan.patience:
             return "patience"
@@ -152,7 +161,7 @@ class _Search:
         """Evaluate cases as far as the budget goes; new failures are attributed."""
         if self.ended:
             return []
-        cases = cases[: self.plan.budget - self.runs]
+        cases = cases[: self.left]
         evaluations = self.evaluate(cases)
         self.runs += len(cases)
         self.evaluations += evaluations
@@ -170,7 +179,10 @@ class _Search:
         return None
 
     def _attribute(self, evaluations: Sequence[Evaluation]) -> None:
-        """Of each measure that fails first, attribute the worst that no signature explains."""
+        """Of each measure that fails first, attribute the worst that no signature explains.
+
+        With what is left of the budget: a failure among the last points is kept as it is.
+        """
         worst: dict[str, Evaluation] = {}
         for evaluation in evaluations:
             measure = evaluation.primary(self.plan.goals)
@@ -182,14 +194,24 @@ class _Search:
             if measure not in worst or _rho(evaluation, measure) < _rho(worst[measure], measure):
                 worst[measure] = evaluation
         for measure, evaluation in worst.items():
-            if self.ended:
+            if len(self.failures) >= self.plan.distinct:
                 return
             failure = attribute(self.space, evaluation, measure, self._failing)
-            if all(failure.signature != other.signature for other in self.failures):
+            if self._is_new(failure):
                 self.failures.append(failure)
                 self.runs_at_last = self.runs
 
-    def _failing(self, case: Case) -> Sequence[str]:
+    def _is_new(self, failure: DistinctFailure) -> bool:
+        """Whether it is distinct; one that was not narrowed down may be any of its measure."""
+        if failure.narrowed:
+            return all(failure.signature != other.signature for other in self.failures)
+        measure = failure.signature.measure
+        return all(measure != other.signature.measure for other in self.failures)
+
+    def _failing(self, case: Case) -> Sequence[str] | None:
+        """The measures that fail; None where no trial is left for it."""
+        if self.left <= self.plan.fresh:  # of which the failure itself will need as many
+            return None
         self.runs += 1
         return self.evaluate([case])[0].failures(self.plan.goals)
 

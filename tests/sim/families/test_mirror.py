@@ -48,7 +48,7 @@ def test_up_to_a_merge_nobody_can_tell_whether_mirrored_hands_will_cross():
     split_s = cue(crossing, "cross:1").from_s
     assert split_s == cue(returning, "return:1").from_s
     for t in np.linspace(0.0, split_s, 12).tolist():
-        # To the last bits: sums of arrays of other lengths may round otherwise.
+        # Two motions, so two computations: 2 units of the last place apart once, why is not known.
         np.testing.assert_allclose(
             palms(crossing.script, [t]), palms(returning.script, [t]), rtol=0, atol=1e-12
         )

@@ -7,6 +7,7 @@ import pytest
 
 from reports.score.robustness import Robustness
 from scenarios.stress.case import Case, TrialResult
+from scenarios.stress.confirm import MOST_RUNS, choose
 from scenarios.stress.families import find_family
 from scenarios.stress.search.design import corners, sobol
 from scenarios.stress.search.evaluation import Evaluation
@@ -98,6 +99,41 @@ def safe(case):
     return of_robustness(case, 1.0, 0.9)
 
 
+@pytest.mark.parametrize("budget", [17, 20, 40, 77, 150])
+def test_what_narrows_failures_down_is_paid_by_the_budget(budget):
+    """Every run is counted, and no more are spent, wherever the budget ends."""
+    played = []
+
+    def evaluate(cases):
+        played.extend(str(case) for case in cases)
+        return [of_robustness(case, 0.4 - float(case.values["speed"]), 0.1) for case in cases]
+
+    plan = SearchPlan(budget=budget, goals=SWAPS, seed=1, fresh=MOST_RUNS)
+    result = search_family(CROSS, evaluate, plan)
+    assert result.failures
+    assert result.runs == len(played) <= budget
+    assert len(set(played)) == len(played)
+    left = budget - result.runs
+    for number, failure in enumerate(result.failures):
+        chosen = choose(failure, evaluate, 1, number, min(left, MOST_RUNS))
+        assert chosen.survival.of <= 4
+        left -= chosen.runs
+    assert len(played) <= budget
+    assert left == budget - len(played)
+
+
+def test_a_failure_that_the_budget_leaves_unexplained_says_so():
+    def fails(case):
+        return of_robustness(case, 0.4 - float(case.values["speed"]), 0.1)
+
+    plan = SearchPlan(budget=26, goals=SWAPS, seed=1, fresh=MOST_RUNS)
+    (failure,) = search(plan, fails).failures
+    assert not failure.narrowed
+    assert failure.words.endswith("(budget spent: perhaps less)")
+    (failure,) = search(replace(plan, budget=60), fails).failures
+    assert failure.words == "speed high"
+
+
 def test_known_cases_come_first():
     known = FAILING
     other = replace(known, family="bounce")
@@ -128,7 +164,7 @@ def test_a_trial_without_a_result_stops_nothing():
 
     result = search(SearchPlan(budget=400, goals=SWAPS, seed=1), faulty)
     assert result.failures
-    assert result.runs == 400
+    assert result.runs <= 400
 
 
 @pytest.mark.parametrize("fps", [None, (1.0, 3.0)])

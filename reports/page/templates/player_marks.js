@@ -1,0 +1,53 @@
+// What went wrong in a frame, and the marks for it: badges, lines to the truth, shapes of the targets.
+const DETECTED = "#ffe45c", WRONG = "#ff3b30", WRONG_MM = 100;
+const WORDS = ["head", "right hand", "left hand"];
+const FAULTS = ["swap", "capture", "lost"];
+
+// The failures that go on in frame i.
+const faults = (ep, i) => ep.events.filter((e) => FAULTS.includes(e.kind) && e.first <= ep.frames[i] && ep.frames[i] <= e.last);
+const exchanged = (ep, i) => faults(ep, i).some((e) => e.kind === "swap");
+// The line from an estimate to its own truth is thick and red where it is far off, or the hands are exchanged.
+const wrong = (ep, i, t) => ep.mm[t][i] > WRONG_MM || (t > 0 && exchanged(ep, i));
+
+// The failures of a frame in words, "left and right exchanged" first.
+function badges(ep, i) {
+  const order = (e) => FAULTS.indexOf(e.kind);
+  return faults(ep, i).sort((a, b) => order(a) - order(b)).map((e) => e.kind === "swap" ? "left and right exchanged" : e.text);
+}
+
+let ink = {};
+function readTheme() {
+  const style = getComputedStyle(html);
+  const name = (n) => style.getPropertyValue("--" + n).trim();
+  ink = {
+    text: name("ink"), soft: name("soft"), grid: name("grid"), line: name("line"), merged: name("merged"), hidden: name("hidden"),
+    accent: name("accent"), paper: name("paper"), bad: name("bad"), targets: NAMES.map(name),
+    font: getComputedStyle(document.body).fontFamily,
+  };
+}
+
+function shape(ctx, target, x, y, r) {
+  ctx.beginPath();
+  if (target === 0) ctx.arc(x, y, r, 0, 2 * Math.PI);
+  else if (target === 1) ctx.rect(x - r * 0.88, y - r * 0.88, r * 1.76, r * 1.76);
+  else {
+    ctx.moveTo(x, y - r * 1.2); ctx.lineTo(x + r * 1.2, y); ctx.lineTo(x, y + r * 1.2); ctx.lineTo(x - r * 1.2, y);
+    ctx.closePath();
+  }
+}
+
+// Badges from the top left corner of a box downwards, as far as it is high.
+function drawBadges(ctx, words, box, size) {
+  ctx.font = `600 ${size}px ${ink.font}`; ctx.textAlign = "left";
+  const tall = size + 8, most = Math.max(1, Math.floor((box.h / 2) / (tall + 3)));
+  words.slice(0, most).forEach((text, n) => {
+    const y = box.y + 6 + n * (tall + 3);
+    ctx.fillStyle = "#c4161c"; ctx.fillRect(box.x + 6, y, ctx.measureText(text).width + 12, tall);
+    ctx.fillStyle = "#fff"; ctx.fillText(text, box.x + 12, y + size + 2.5);
+  });
+}
+
+function nice(least) {
+  const power = 10 ** Math.floor(Math.log10(least));
+  return [1, 2, 5, 10].map((f) => f * power).find((f) => f >= least * 0.999);
+}
