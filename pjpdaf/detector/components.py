@@ -54,8 +54,8 @@ class Segments:
 def clean(mask: np.ndarray, open_px: int, close_px: int) -> np.ndarray:
     """Open, then close a uint8 mask (h, w) by discs of these diameters [px]; <= 1: neither."""
     x, y, width, height = cv2.boundingRect(mask)
-    if width == 0:
-        return mask.copy()
+    if width == 0 or max(open_px, close_px) <= 1:
+        return mask
     # Only where the mask is; a rim as wide as the elements reach, so that nothing changes there.
     rim = max(open_px, 0) + max(close_px, 0) + 1
     rows, columns = (
