@@ -31,6 +31,7 @@ class UnknownName(BenchError):
         super().__init__(f"no {kind} {name[:200]!r}{hint}; a file of your own ends in .yaml")
 
 
+@lru_cache(maxsize=8)
 def _names(folder: str) -> tuple[str, ...]:
     entries = (files("scenarios") / folder).iterdir()
     return tuple(sorted(e.name[: -len(".yaml")] for e in entries if e.name.endswith(".yaml")))
