@@ -11,6 +11,7 @@ from reports.page.page import write_page
 from reports.run.load import load
 from reports.stress.load import is_stress_folder
 from reports.stress.page import write_stress_page
+from scenarios.console.progress import progress
 
 
 def remake_report(
@@ -26,6 +27,12 @@ def remake_report(
         raise BenchError("a page of several runs is in none of them: give --out FILE.html")
     if baseline is not None and len(run_folders) > 1:
         raise BenchError("--baseline goes with a page of one run")
+    with progress() as meter:
+        meter.begin("writing the page", None)
+        return _write(run_folders, out, baseline)
+
+
+def _write(run_folders: Sequence[Path], out: Path | None, baseline: Path | None) -> Path:
     stressed = [is_stress_folder(folder) for folder in run_folders]
     if all(stressed):
         if baseline is not None:

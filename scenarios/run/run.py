@@ -10,6 +10,7 @@ from pathlib import Path
 from rich.console import Console
 
 from pjpdaf.errors import BenchError, InfrastructureError
+from pjpdaf.presets.registry import find_preset
 from reports.page.page import write_page
 from reports.run.load import SavedRun
 from reports.run.rows import EpisodeRows
@@ -55,6 +56,7 @@ def run_suite(request: RunRequest) -> None:
             f"--time-limit must be above 0 s, at most {MAX_TIME_LIMIT_S:g}, got "
             f"{request.time_limit_s:g}"
         )
+    find_preset(request.preset)
     place = place_of(request.jobs, request.cluster)
     wanted = request.plan
     allow_plug_ins_from_here(wanted.detector, wanted.tracker)
@@ -108,7 +110,8 @@ def _play_and_save(
     if not played.rows:
         raise Interrupted("interrupted before any episode was finished; nothing saved")
     wall_s = time.perf_counter() - started
-    with run.kept_after_faults():
+    with run.kept_after_faults(), progress() as meter:
+        meter.begin("saving the run", None)
         saved = save_run(
             request.plan,
             run.jobs,
@@ -119,6 +122,7 @@ def _play_and_save(
             slim=request.slim,
         )
         if not request.slim:
+            meter.begin("writing the page", None)
             write_page([saved], run.staged / "report.html")
     run.publish()
     corpus = outcomes_of(request.plan.targets, run.jobs, played.rows)
@@ -167,7 +171,8 @@ def _print_results(
             soft_wrap=True,
         )
     # What workers of a cluster keep lies with them.
-    settings = cache_settings() if request.plan.use_cache and not place.scheduler else None
+    cached = request.plan.use_cache and request.plan.dataset is None and not place.scheduler
+    settings = cache_settings() if cached else None
     if origin := origin_line(played.rows, settings):
         out.print(origin, highlight=False, soft_wrap=True)
     for line in verdict_lines(corpus):
