@@ -9,7 +9,13 @@ from pathlib import Path
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from reports.page.episode_tables import EpisodeTables, Key, episode_tables
-from reports.page.run_entries import RunEntry, opening_entry, run_entries, worst_entries
+from reports.page.run_entries import (
+    RunEntry,
+    films_left_out,
+    opening_entry,
+    run_entries,
+    worst_entries,
+)
 from reports.page.run_report import run_report
 from reports.page.scenario_sections import scenario_sections
 from reports.page.templating import asset, rendered, script, write_text
@@ -61,7 +67,7 @@ def build_page(runs: Sequence[SavedRun], title: str = "") -> str:
         opening=opening_entry(entries),
         sections=scenario_sections(reports, entries, names),
         entries=entries,
-        films_left_out=_films_left_out(runs, entries),
+        films_left_out=films_left_out(runs, entries),
         figures=_figures(played, names, by_key),
         targets=TARGETS,
         count=count,
@@ -98,9 +104,3 @@ def _figures(
             entry = by_key[f"{r}-{names.index(scenario)}-{seed}"]
         figures.append((figure, entry))
     return figures
-
-
-def _films_left_out(runs: Sequence[SavedRun], entries: Sequence[RunEntry]) -> int:
-    """Count the whole films that are in a run's folder and not in the page."""
-    kept = sum(bool(film["whole"]) for run in runs for film in run.meta["films"])
-    return kept - sum(e.film is not None and e.film.whole for e in entries)

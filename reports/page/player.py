@@ -18,7 +18,9 @@ from pjpdaf.targets import RIGHT_HAND, TARGETS
 from reports.page.episode_tables import EpisodeTables
 from reports.page.event_text import event_text
 from reports.page.packing import json_text
+from reports.page.time_lanes import time_lanes
 from reports.score.records import VIEWS
+from sim.event_names import is_merge
 
 _SHAPE = ("x_px", "y_px", "a_px", "b_px", "angle_rad")
 
@@ -47,9 +49,13 @@ def episode_data(episode: EpisodeTables) -> dict[str, Any]:
         "exchange": _deltas(episode.column("exchange_probability")[:, RIGHT_HAND] * 1e3),
         "status": ["".join(str(STATUSES.index(s)) for s in status[:, t]) for t in range(3)],
         "merged": ["".join("01"[int(m)] for m in merged[:, t]) for t in range(3)],
-        "labels": [[i, str(labels[i])] for i in changes if labels[i]],
+        "labels": [[i, phase_text(str(labels[i]))] for i in changes],
         "detections": [_detections(episode, view) for view in VIEWS],
         "cameras": [_camera(row) for row in episode.cameras.to_dict("records")],
+        "lanes": [
+            {"kind": lane.kind, "text": lane.text, "target": lane.target, "spans": lane.spans}
+            for lane in time_lanes(episode)
+        ],
         "events": [
             {
                 "kind": str(event["kind"]),
@@ -61,6 +67,12 @@ def episode_data(episode: EpisodeTables) -> dict[str, Any]:
             for event in episode.events.to_dict("records")
         ],
     }
+
+
+def phase_text(labels: str) -> str:
+    """What a person does in a frame, without the merges, which have lanes of their own."""
+    names = [name for name in labels.split(";") if name and not is_merge(name)]
+    return ", ".join(name.replace("_", " ") for name in names)
 
 
 def worst_frame(episode: EpisodeTables, pictured: Collection[int] = ()) -> int:
