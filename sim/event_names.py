@@ -17,15 +17,6 @@ def is_merge(name: str) -> bool:
     return name.startswith(_MERGE)
 
 
-def merged_pair(name: str) -> tuple[str, str, str] | None:
-    """Both targets and the camera of a merge from its name, None for any other event."""
-    if not is_merge(name):
-        return None
-    pair, _, view = name.removeprefix(_MERGE).partition(":")
-    target, plus, other = pair.partition("+")
-    return (target, other, view.removesuffix("_view")) if plus and view else None
-
-
 def speed_name(speed_mps: float) -> str:
     """Name of a stroke of this speed [m/s]."""
     return f"{_SPEED}{speed_mps:g}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from reports.summary.text import LABELS
+from reports.words import label_text, pair_text, readable_name
 
 MOST_ROWS, MOST_SPANS = 40, 400
 
@@ -44,14 +44,9 @@ def _event_text(kind: str, event: Mapping[str, Any]) -> str:
     if kind == "merges":
         targets = event.get("targets")
         pair = [str(t)[:40] for t in targets[:2]] if isinstance(targets, list) else []
-        return f"{' + '.join(map(readable_name, pair))} merged, {value('view')}"
+        return f"{pair_text(pair)} merged, {value('view')}"
     if kind == "ambiguous":
         return "both hands one blob in both views"
     if kind == "occlusions":
         return f"{value('target')} hidden by {value('by')}, {value('view')}"
-    return value("event")
-
-
-def readable_name(name: str) -> str:
-    """A target's or instance's name for reading."""
-    return LABELS.get(name, name.replace("_", " "))
+    return label_text(str(event.get("event", "?"))[:60])

@@ -10,7 +10,7 @@ from reports.dataset.sequence_data import sequence_data
 from reports.dataset.sequence_view import LAYERS, SequenceView
 from reports.page.packing import data_address, json_text
 from reports.page.templating import asset, rendered, script
-from reports.summary.text import LABELS
+from reports.words import LABELS
 from sim.dataset.reader import Dataset
 from sim.dataset.statistics import Statistics
 

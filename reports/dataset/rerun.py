@@ -20,7 +20,7 @@ from reports.rerun.recording import (
     identity_of,
     write_recording,
 )
-from reports.summary.text import LABELS as WORDS
+from reports.words import LABELS as WORDS
 from sim.dataset.files.layout import DEPTH_UNIT_M, picture_name
 from sim.dataset.labels.records import OCCLUDED, VISIBLE
 from sim.dataset.reader import Dataset

@@ -9,8 +9,9 @@ import numpy as np
 
 from pjpdaf.targets import TARGETS
 from reports.dataset import label_colours
-from reports.dataset.event_rows import event_rows, readable_name
+from reports.dataset.event_rows import event_rows
 from reports.dataset.sequence_view import SequenceView
+from reports.words import readable_name
 from sim.dataset.files.layout import EVENTS
 from sim.dataset.files.reading import read_json
 from sim.scene.world import CAMERAS

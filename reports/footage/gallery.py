@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Estimates
 from pjpdaf.targets import TARGETS
-from reports.summary.text import LABELS
+from reports.words import LABELS
 
 MAX_EVEN_PICTURES = 12
 MAX_EVENT_PICTURES = 5

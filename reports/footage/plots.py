@@ -9,7 +9,7 @@ import numpy as np
 
 from pjpdaf.targets import TARGETS
 from reports.footage.track_record import Sample
-from reports.summary.text import LABELS
+from reports.words import LABELS
 
 Figure = dict[str, Any]
 

@@ -9,7 +9,8 @@ from pjpdaf.interfaces import STATUSES
 from reports.footage.stated import SURE_M
 from reports.footage.track_record import TrackRecord
 from reports.summary.plain_table import plain_table
-from reports.summary.text import LABELS, percent
+from reports.summary.text import percent
+from reports.words import LABELS
 
 
 def status_table(record: TrackRecord) -> Table:

@@ -13,7 +13,8 @@ from pjpdaf.interfaces import STATUSES, Detections, Estimates
 from pjpdaf.targets import TARGETS
 from reports.footage.gallery import Gallery
 from reports.footage.stated import DOUBTFUL, SURE_M, StatedDoubt, StatedError, StatedErrors
-from reports.summary.text import LABELS, count
+from reports.summary.text import count
+from reports.words import LABELS
 
 MAX_SAMPLES = 2000  # of the curves; longer footage is thinned, so that memory and page stay small
 MAX_NAMED = 20  # missing pictures that the page names

@@ -32,10 +32,16 @@ PLAYER = (
     "player_marks.js",
     "player_schematic.js",
     "player_view.js",
+    "player_paths.js",
     "player_space.js",
+    "player_lanes.js",
     "player_curves.js",
     "worst_film.js",
+    "player_compare.js",
+    "player_address.js",
     "player_controls.js",
+    "player_keys.js",
+    "player_start.js",
 )
 
 

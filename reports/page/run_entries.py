@@ -15,6 +15,7 @@ from reports.page.player import pack, worst_frame
 from reports.run.load import SavedRun
 from reports.score.ranking import MAX_WORST, badness, film_rank, went_wrong
 from reports.summary.text import count
+from reports.words import FLAGS
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,5 +138,4 @@ def _rows_of(run: SavedRun) -> dict[Key, list[Mapping[Any, Any]]]:
 def _flags(events: pd.DataFrame) -> str:
     """Kinds of failure of an episode in words."""
     kinds = set(events["kind"])
-    texts = {"swap": "swapped", "lost": "lost", "capture": "captured"}
-    return ", ".join(text for kind, text in texts.items() if kind in kinds)
+    return ", ".join(text for kind, text in FLAGS.items() if kind in kinds)

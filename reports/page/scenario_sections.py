@@ -9,11 +9,11 @@ from typing import Any
 from markupsafe import Markup
 
 from reports.page.charts.speed_chart import speed_chart
-from reports.page.event_text import event_text
 from reports.page.run_entries import RunEntry
 from reports.page.run_report import RunReport
 from reports.summary.causes import stage_text
 from reports.summary.tables import StageTimes, Summary, SummaryRow
+from reports.words import event_text
 
 MAX_EVENTS = 200
 

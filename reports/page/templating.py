@@ -14,7 +14,8 @@ import jinja2
 from markupsafe import Markup
 
 from reports.summary.tables import time_text
-from reports.summary.text import LABELS, number, percent
+from reports.summary.text import number, percent
+from reports.words import LABELS
 from sim.files import disk_faults, written_whole_file
 
 

@@ -16,7 +16,7 @@ from reports.page.charts.line_chart import Series, line_chart
 from reports.page.charts.path_chart import path_chart
 from reports.page.episode_tables import EpisodeTables
 from reports.score.score import quantile
-from reports.summary.text import LABELS
+from reports.words import FLAGS, LABELS
 
 NOT_STATED = "not stated"
 HANDS = (RIGHT_HAND, LEFT_HAND)
@@ -204,9 +204,8 @@ def _slashed(values: Sequence[float], unit: str) -> str:
 
 
 def _failures(episode: EpisodeTables) -> str:
-    kinds = [k for k in ("swap", "capture", "lost") if (episode.events["kind"] == k).any()]
-    texts = {"swap": "hands swapped", "capture": "captured", "lost": "lost"}
-    return ", ".join(texts[k] for k in kinds) or "none"
+    kinds = set(episode.events["kind"])
+    return ", ".join(text for kind, text in FLAGS.items() if kind in kinds) or "none"
 
 
 def _event_frames(events: pd.DataFrame) -> str:

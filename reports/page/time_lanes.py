@@ -8,16 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pjpdaf.targets import HANDS, TARGETS
+from pjpdaf.targets import TARGETS
 from reports.page.episode_tables import EpisodeTables
-from reports.page.event_text import event_text
 from reports.score.records import VIEWS
-from reports.summary.text import LABELS
-from sim.event_names import merged_pair
+from reports.words import EXCHANGED, LABELS, event_text, label_text
+from sim.event_names import is_merge
 
 HIDDEN = 0.5  # of a target in a view: less of it shows
 _FAULTS = ("swap", "capture", "lost")
-_HANDS = {TARGETS[hand] for hand in HANDS}
 
 
 @dataclass(frozen=True)
@@ -50,8 +48,10 @@ def _faults(episode: EpisodeTables) -> Iterator[TimeLane]:
     rows: dict[tuple[int, int, str], list[tuple[int, int]]] = {}
     for event in episode.events.to_dict("records"):
         if event["kind"] in _FAULTS:
-            target = -1 if event["kind"] == "swap" else TARGETS.index(event["target"])
-            key = _FAULTS.index(event["kind"]), target, event_text(event)
+            swap = event["kind"] == "swap"
+            target = -1 if swap else TARGETS.index(event["target"])
+            text = EXCHANGED if swap else event_text(event)
+            key = _FAULTS.index(event["kind"]), target, text
             span = place[int(event["first_frame"])], place[int(event["last_frame"])]
             rows.setdefault(key, []).append(span)
     for (kind, target, text), spans in sorted(rows.items()):
@@ -61,15 +61,12 @@ def _faults(episode: EpisodeTables) -> Iterator[TimeLane]:
 def _merges(episode: EpisodeTables) -> Iterator[TimeLane]:
     """Merges as the truth names them; where it names none, the frames in which any view has one."""
     labels = episode.column("labels")[:, 0]
-    named: dict[tuple[str, str, str], NDArray[np.bool_]] = {}
+    named: dict[str, NDArray[np.bool_]] = {}
     for i, text in enumerate(labels):
-        for name in str(text).split(";"):
-            pair = merged_pair(name)
-            if pair is not None:
-                named.setdefault(pair, np.zeros(len(labels), dtype=bool))[i] = True
-    for (target, other, view), flags in sorted(named.items()):
-        who = "hands" if {target, other} == _HANDS else f"{LABELS[target]} and {LABELS[other]}"
-        yield TimeLane("merged", f"{who} merged, {view} view", -1, spans_of(flags))
+        for name in filter(is_merge, str(text).split(";")):
+            named.setdefault(name, np.zeros(len(labels), dtype=bool))[i] = True
+    for name, flags in sorted(named.items()):
+        yield TimeLane("merged", label_text(name), -1, spans_of(flags))
     merged = episode.column("merged").astype(bool).any(axis=1)
     if not named and merged.any():
         yield TimeLane("merged", "merged in a view", -1, spans_of(merged))

@@ -13,12 +13,11 @@ from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
 from pjpdaf.targets import TARGETS
 from reports.page.episode_tables import EpisodeTables
-from reports.page.event_text import event_text
 from reports.pictures.encode import jpeg_of, picture_of
 from reports.pictures.overlay import LETTERS, ellipse_points
 from reports.pictures.stills import VIEW_WIDTH_PX
 from reports.rerun.recording import CORNER_PX, QUALITY, TARGET_RGB, Entities
-from reports.summary.text import LABELS
+from reports.words import LABELS, event_text
 
 TRAIL_S = 2.0
 SIGMAS = 2.0  # half axes of the ellipsoids

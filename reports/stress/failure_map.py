@@ -12,7 +12,8 @@ from reports.page.charts.svg import WIDTH, svg
 from reports.score.robustness import Goal
 from reports.stress.axes import DrawnAxis
 from reports.stress.records import CellRecord, MapRecord
-from reports.stress.words import GOAL_WORDS, share_text
+from reports.stress.words import share_text
+from reports.words import GOAL_WORDS
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 62, 14, 10, 84
 _SIDE = WIDTH - _LEFT - _RIGHT

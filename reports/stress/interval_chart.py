@@ -12,7 +12,8 @@ from reports.page.charts.svg import BOTTOM, LEFT, RIGHT, TOP, WIDTH, Axis, svg
 from reports.score.robustness import GOALS, Goal
 from reports.stress.axes import DrawnAxis
 from reports.stress.records import AxisRecord, MapRecord, OccludedRecord
-from reports.stress.words import GOAL_SHORT, GOAL_WORDS, share_text
+from reports.stress.words import GOAL_SHORT, share_text
+from reports.words import GOAL_WORDS
 
 _HEIGHT = 300
 _MARKS = {"swap": "M-5-5H5V5H-5Z", "head": "M0-6L6 5H-6Z", "lost": "M0-7L7 0 0 7-7 0Z"}

@@ -27,13 +27,9 @@ from reports.stress.sections import (
     maps,
     probabilities,
 )
-from reports.stress.words import (
-    GOAL_WORDS,
-    MEASURE_WORDS,
-    interval_text,
-    share_text,
-)
+from reports.stress.words import interval_text, share_text
 from reports.summary.text import count
+from reports.words import GOAL_WORDS, MEASURE_WORDS
 
 MOST_VERDICTS = 6  # sentences at the top
 

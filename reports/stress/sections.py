@@ -24,7 +24,8 @@ from reports.stress.records import (
     OccludedRecord,
 )
 from reports.stress.strips import start_of, strip
-from reports.stress.words import GOAL_SHORT, GOAL_WORDS, MEASURE_WORDS, value_text
+from reports.stress.words import GOAL_SHORT, value_text
+from reports.words import GOAL_WORDS, MEASURE_WORDS
 
 STRIP_QUALITY = 55  # of WebP; about 9 kB a tile
 MOST_STRIPS = 60

@@ -12,15 +12,14 @@ from pjpdaf.arrays import Floats, Image
 from pjpdaf.camera import Camera, project
 from pjpdaf.targets import LEFT_HAND, RIGHT_HAND
 from reports.page.episode_tables import EpisodeTables
-from reports.page.event_text import event_text
 from reports.pictures.contact_sheet import GAP_PX
 from reports.pictures.encode import picture_of
 from reports.pictures.overlay import STRIP, WHITE, draw_text, text_width
 from reports.pictures.wrong_marks import RED, TILE_PX, crop_about, marked_tile
 from reports.score.events import LOST_M
+from reports.words import EXCHANGED, event_text
 
 OFFSETS_S = (-1.4, -0.7, -0.35, 0.0, 0.7, 1.7)  # of the frames, from the start of the event
-EXCHANGED = "left and right exchanged"
 _KINDS = ("swap", "capture", "lost")  # in the order in which a badge names them
 _OF_MEASURE = {"swap": ("swap",), "head_right": ("capture", "swap"), "head_left": ("capture",)}
 

@@ -1,23 +1,10 @@
-"""Goals, shares and intervals in words."""
+"""Goals in short, shares and intervals in words."""
 
 from __future__ import annotations
 
 from reports.score.robustness import Goal
 
-GOAL_WORDS: dict[Goal, str] = {
-    "swap": "hands exchanged",
-    "head": "head and hand exchanged",
-    "lost": "target lost",
-}
 GOAL_SHORT: dict[Goal, str] = {"swap": "P(swap)", "head": "P(head swap)", "lost": "P(lost)"}
-MEASURE_WORDS = {
-    "swap": "left and right exchanged",
-    "head_right": "head and right hand exchanged",
-    "head_left": "head and left hand exchanged",
-    "lost_head": "head lost",
-    "lost_right": "right hand lost",
-    "lost_left": "left hand lost",
-}
 
 
 def share_text(share: float) -> str:

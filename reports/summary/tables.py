@@ -13,7 +13,8 @@ from pjpdaf.targets import HEAD, TARGETS
 from reports.run.load import SavedRun
 from reports.score.records import STAGES
 from reports.score.score import quantile
-from reports.summary.text import ALL, count, number, percent
+from reports.summary.text import count, number, percent
+from reports.words import ALL
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ from rich.text import Text
 from pjpdaf.targets import HEAD, TARGETS
 from reports.summary.plain_table import plain_table
 from reports.summary.tables import StageTimes, Summary, SummaryRow, time_text
-from reports.summary.text import ALL, LABELS, count, number, percent
+from reports.summary.text import count, number, percent
+from reports.words import ALL, LABELS
 
 WIDEST_NAME = 30  # of a scenario, in the table of scenarios
 

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import math
 
-ALL = "all"
-LABELS = {"head": "head", "right_hand": "right hand", "left_hand": "left hand", ALL: "all"}
-
 
 def number(value: float) -> str:
     """Three figures; "∞" where most frames lack an estimate, "-" without any frame."""

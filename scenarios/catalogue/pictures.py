@@ -10,6 +10,7 @@ from rich.console import Console
 from pjpdaf.errors import BenchError, InfrastructureError
 from reports.pictures.overlay import LETTERS
 from reports.pictures.truth_overlay import merged_text, thumbnail
+from reports.words import label_text
 from scenarios.catalogue.film import target_labels
 from scenarios.catalogue.frame_choice import hardest_frame, truths_without_pictures
 from scenarios.catalogue.scenario_picture import ScenarioPicture
@@ -108,7 +109,7 @@ def _first_performance(scenario: Scenario) -> Performance:
 
 def caption(truth: Truth) -> str:
     """Describe a frame: number, time, events, merged and invisible targets."""
-    phrases = [f"frame {truth.index} ({truth.time_s:.1f} s)", *truth.script_events]
+    phrases = [f"frame {truth.index} ({truth.time_s:.1f} s)", *map(label_text, truth.script_events)]
     for state, names_of in (("merged", merged_text), ("unseen", _unseen_names)):
         left, right = map(names_of, truth.views)
         if left == right:

@@ -11,7 +11,8 @@ from pjpdaf.errors import BenchError
 from reports.score.robustness import GOALS
 from reports.stress.page import write_stress_page
 from reports.stress.records import EpisodeKey, MapFile, MapRecord, write_record
-from reports.stress.words import GOAL_WORDS, share_text
+from reports.stress.words import share_text
+from reports.words import GOAL_WORDS
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign, spaces_of
 from scenarios.stress.case import Case, Trial, TrialResult
 from scenarios.stress.map.cells import MOST_CELLS, grid

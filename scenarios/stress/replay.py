@@ -16,6 +16,7 @@ from pjpdaf.presets.registry import PRESETS
 from pjpdaf.targets import TARGETS
 from reports.pictures.film import FilmWriter, film_suffix
 from reports.pictures.overlay import overlay_picture
+from reports.words import MEASURE_WORDS
 from scenarios.console.interrupts import unwritten_if_interrupted
 from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
 from scenarios.play.fast import play_fast
@@ -27,7 +28,6 @@ from scenarios.stress.case import Case, Fidelity, Trial, TrialResult
 from scenarios.stress.case_file import case_of, corpus_case, load_case, system_of, write_case
 from scenarios.stress.families import find_family
 from scenarios.stress.play_trial import full_result, result_of
-from scenarios.stress.search.table import EVENTS
 from scenarios.stress.space import Space
 from sim.contact.contact import Unposable
 from sim.files import written_whole_file
@@ -75,7 +75,7 @@ def replay_verb(request: ReplayRequest) -> None:
     )
     for measure, rho in result.robustness.measures.items():
         mark = "  fails" if rho < 0 else ""
-        out.print(f"  {EVENTS[measure]:<24} rho {rho:+.3f}{mark}", highlight=False)
+        out.print(f"  {MEASURE_WORDS[measure]:<28} rho {rho:+.3f}{mark}", highlight=False)
     for event in result.events:
         stage = result.blame.get((event.kind, event.target, event.first))
         fault = f", blame: {stage}" if stage else ""
@@ -87,7 +87,7 @@ def replay_verb(request: ReplayRequest) -> None:
     if replayed.expected:
         rho = result.robustness.measures[replayed.expected]
         outcome = "fails as the file says" if rho < 0 else "does not fail any more"
-        out.print(f"{EVENTS[replayed.expected]}: {outcome}", highlight=False)
+        out.print(f"{MEASURE_WORDS[replayed.expected]}: {outcome}", highlight=False)
     digest = hashlib.sha256(result.to_json()).hexdigest()
     out.print(f"result: sha256 {digest}", highlight=False)
     if request.film is not None:
@@ -130,8 +130,8 @@ def promote(path: Path, name: str | None, folder: Path | None, status: str) -> P
     if fails == (status == "fixed"):
         outcome = "fails" if fails else "does not fail"
         raise BenchError(
-            f"{path}: {EVENTS[record.event]} {outcome} with {record.tracker} when rendered (rho "
-            f"{measures[record.event]:+.2f}): not put into the corpus as {status}"
+            f"{path}: {MEASURE_WORDS[record.event]} {outcome} with {record.tracker} when rendered "
+            f"(rho {measures[record.event]:+.2f}): not put into the corpus as {status}"
         )
     folder = folder or corpus_folder()
     for other in sorted(folder.glob("*.yaml")):

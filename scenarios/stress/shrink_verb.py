@@ -9,11 +9,11 @@ from rich.console import Console
 
 from pjpdaf.errors import BenchError
 from reports.summary.text import count
+from reports.words import MEASURE_WORDS
 from scenarios.stress.campaign import CampaignRequest, open_campaign
 from scenarios.stress.case import Case
 from scenarios.stress.case_file import case_of, corpus_case, load_case, system_of, write_case
 from scenarios.stress.search.evaluation import Evaluator
-from scenarios.stress.search.table import EVENTS
 from scenarios.stress.shrink import NEEDED, SEEDS, Shrunk, Survival, shrink
 from scenarios.stress.space import Space
 
@@ -75,7 +75,7 @@ def shrink_verb(request: ShrinkRequest) -> None:
 
 
 def _print(out: Console, shrunk: Shrunk, space: Space, fidelity: str) -> None:
-    event = EVENTS[shrunk.measure]
+    event = MEASURE_WORDS[shrunk.measure]
     out.print(
         f"{shrunk.case.family}: {event} with {shrunk.survival.text} fresh noise seeds in "
         f"{fidelity}, {len(shrunk.changed)} of {count(len(space.axes), 'parameter')} not nominal",

@@ -8,7 +8,7 @@ from markupsafe import Markup, escape
 
 from pjpdaf.targets import TARGETS
 from reports.page.charts.svg import RIGHT, WIDTH, Axis, svg
-from reports.summary.text import LABELS
+from reports.words import LABELS
 
 _COUNTED_WIDTH, _LINE, _TOP, _LEFT, _LONGEST = 460, 21, 34, 128, 190
 # An SVG in a page follows the reader's theme only so; a viewer that knows none shows the first.

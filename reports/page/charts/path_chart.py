@@ -10,7 +10,7 @@ from markupsafe import Markup
 from pjpdaf.arrays import Floats
 from pjpdaf.targets import TARGETS
 from reports.page.charts.svg import TOP, WIDTH, legend, marker, path_data, round_step, svg
-from reports.summary.text import LABELS
+from reports.words import LABELS
 
 # View of the 3-D paths: columns are the world's x, y, z in the picture (right, up).
 _VIEW = np.array([[-0.62, 0.78, 0.0], [-0.30, -0.24, 0.92]])

@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from pjpdaf.targets import TARGETS
 from reports.page.charts.line_chart import Series, line_chart
-from reports.summary.text import LABELS
+from reports.words import LABELS
 from sim.event_names import stroke_speed_mps
 
 

@@ -16,7 +16,7 @@ from markupsafe import Markup, escape
 
 from pjpdaf.arrays import Floats
 from pjpdaf.targets import TARGETS
-from reports.summary.text import LABELS
+from reports.words import LABELS
 
 WIDTH = 480  # of a chart, in its own units; text is 13 of these high
 LEFT, RIGHT, TOP, BOTTOM = 52, 12, 30, 44

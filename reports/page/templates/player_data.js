@@ -1,4 +1,5 @@
 // Data of the episodes: numbers, films, pictures.
+const picker = part("episode");
 const NAMES = ["head", "right_hand", "left_hand"];
 const STATUS = ["waiting", "tracked", "coasting", "lost"];
 

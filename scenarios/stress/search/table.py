@@ -8,16 +8,8 @@ from rich.table import Table
 from rich.text import Text
 
 from reports.summary.plain_table import plain_table
+from reports.words import MEASURE_WORDS
 from scenarios.stress.confirm import Counterexample
-
-EVENTS = {
-    "swap": "hands swapped",
-    "head_right": "head and right swapped",
-    "head_left": "head and left swapped",
-    "lost_head": "head lost",
-    "lost_right": "right lost",
-    "lost_left": "left lost",
-}
 
 
 def failure_table(family: str, found: Sequence[Counterexample]) -> Table:
@@ -34,7 +26,7 @@ def failure_table(family: str, found: Sequence[Counterexample]) -> Table:
         rho = "-" if robustness is None else f"{robustness.measures[one.measure]:+.2f}"
         full = "-" if one.full is None else "fails" if one.confirmed else "passes"
         table.add_row(
-            EVENTS[one.measure],
+            MEASURE_WORDS[one.measure],
             Text(one.failure.words),
             rho,
             f"{100 * one.result.severity:.0f} %",

@@ -340,7 +340,7 @@ def test_links_lead_to_the_player_and_back(report, opened):
         worst = card.get_attribute("href").partition("@")[2]
         at_frame(view, worst)
         assert 0 <= view.locator("#player").bounding_box()["y"] < 60
-        event = view.get_by_role("link", name="hands swapped").first
+        event = view.locator(".events a").first
         event.scroll_into_view_if_needed()
         event.click()
         at_frame(view, 8)
