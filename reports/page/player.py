@@ -53,7 +53,12 @@ def episode_data(episode: EpisodeTables) -> dict[str, Any]:
         "detections": [_detections(episode, view) for view in VIEWS],
         "cameras": [_camera(row) for row in episode.cameras.to_dict("records")],
         "lanes": [
-            {"kind": lane.kind, "text": lane.text, "target": lane.target, "spans": lane.spans}
+            {
+                "kind": lane.kind,
+                "text": lane.text,
+                "target": lane.target,
+                "spans": [list(span) for span in lane.spans],
+            }
             for lane in time_lanes(episode)
         ],
         "events": [

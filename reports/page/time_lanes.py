@@ -67,7 +67,7 @@ def _merges(episode: EpisodeTables) -> Iterator[TimeLane]:
             named.setdefault(name, np.zeros(len(labels), dtype=bool))[i] = True
     for name, flags in sorted(named.items()):
         yield TimeLane("merged", label_text(name), -1, spans_of(flags))
-    merged = episode.column("merged").astype(bool).any(axis=1)
+    merged = np.asarray(episode.column("merged").astype(bool).any(axis=1), dtype=np.bool_)
     if not named and merged.any():
         yield TimeLane("merged", "merged in a view", -1, spans_of(merged))
 
@@ -76,7 +76,7 @@ def _hidden(episode: EpisodeTables) -> Iterator[TimeLane]:
     for t, target in enumerate(TARGETS):
         for view in VIEWS:
             visible = episode.column(f"visible_{view}")[:, t].astype(np.float64)
-            flags = ~(visible >= HIDDEN)
+            flags = np.asarray(~(visible >= HIDDEN))
             if flags.any():
                 yield TimeLane(
                     "hidden", f"{LABELS[target]} hidden, {view} view", t, spans_of(flags)

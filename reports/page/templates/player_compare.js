@@ -27,6 +27,7 @@ function arrange() {
   const mode = compared.ep ? compared.mode : "alone";
   part("stage-b").hidden = mode !== "beside";
   section.dataset.compare = mode;
+  part("dashed").hidden = mode === "alone";
   for (const radio of modes) radio.checked = radio.value === compared.mode;
   const names = mode === "alone" ? "" : ` A ${mode === "over" ? "(solid) " : ""}is ${runOf(now.key)}, B ${mode === "over" ? "(dashed) " : ""}is ${runOf(compared.key)}.`;
   part("who").textContent = names;

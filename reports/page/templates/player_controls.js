@@ -11,8 +11,7 @@ function drawViews(canvases, ep, i, image, show, second) {
     drawView(ctx, box, ep, i, v, image, show);
     if (second && show.estimates) {
       drawEstimates(ctx, box, second.ep, second.i, v, { ...show, dashed: true });
-      const words = badges(second.ep, second.i).map((text) => `B: ${text}`);
-      drawBadges(ctx, words, { x: 0, y: h / 2, h }, Math.round(13 * Math.max(0.75, Math.min(1, w / 380))));
+      drawBadges(ctx, badges(second.ep, second.i).map((text) => `B: ${text}`), { y: h / 2, w, h });
     }
   });
 }
