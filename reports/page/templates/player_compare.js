@@ -6,8 +6,9 @@ const compared = { mode: "alone", key: "", ep: null };
 const optionOf = (key) => [...picker.options].find((option) => option.value === key);
 const runOf = (key) => optionOf(key)?.dataset.run ?? "";
 
-// Keys are run-scenario-seed.
+// Keys are run-scenario-seed; a page of one run names none.
 function partnersOf(key) {
+  if (!runOf(key)) return [];
   const rest = key.slice(key.indexOf("-"));
   return [...picker.options].map((o) => o.value).filter((other) => other !== key && other.slice(other.indexOf("-")) === rest);
 }

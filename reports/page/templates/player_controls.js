@@ -68,12 +68,12 @@ function listEvents(ep) {
   part("no-events").hidden = ep.events.length > 0;
 }
 
-// other: key of the run to compare with, "" for the one of before.
+// frame: null for the worst; other: key of the run to compare with, "" for the one of before.
 async function load(key, frame, other = "") {
   stop();
   const mine = ++now.load, ep = await episode(key);
   if (mine !== now.load) return;
-  Object.assign(now, { key, source: ep, i: frame === null ? 0 : ep.place.get(frame) ?? 0 });
+  Object.assign(now, { key, source: ep, i: ep.place.get(frame ?? worstOf(key)) ?? 0 });
   picker.value = key;
   slider.max = String(ep.frames.length - 1);
   const option = picker.selectedOptions[0];
@@ -91,13 +91,14 @@ async function load(key, frame, other = "") {
 
 function visit(key) {
   touched = true;
-  load(key, Number(optionOf(key).dataset.worst));
+  load(key, null);
 }
 
-// The worst moment of the episode that is shown.
+// The worst moment of an episode, as the page knows it.
+const worstOf = (key) => Number(optionOf(key).dataset.worst);
 function showWorst() {
   stop();
-  go(now.source.place.get(Number(optionOf(now.key).dataset.worst)) ?? 0);
+  go(now.source.place.get(worstOf(now.key)) ?? 0);
 }
 part("worst").addEventListener("click", showWorst);
 

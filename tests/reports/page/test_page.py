@@ -264,9 +264,11 @@ def test_the_slider_moves_everything(report, opened):
             assert box["y"] + box["height"] < 900, selector
         view.select_option("[data-part=episode]", "0-0-1")
         view.wait_for_selector('#player[data-key="0-0-1"]')
-        before = drawings(view)
         slider = view.locator("[data-part=slider]")
         slider.focus()
+        view.keyboard.press("Home")
+        at_frame(view, 0)
+        before = drawings(view)
         view.keyboard.press("ArrowRight")
         at_frame(view, 1)
         assert all(old != new for old, new in zip(before, drawings(view), strict=True))
