@@ -276,7 +276,8 @@ def test_the_slider_moves_everything(report, opened):
             assert view.get_attribute(f"[data-part={part}]", "data-frame") == "1"
         view.keyboard.press("End")
         at_frame(view, 23)
-        assert slider.get_attribute("aria-valuetext") == "frame 23, 7.67 s"
+        words = "frame 23, 7.67 s, left and right exchanged, right hand lost, left hand lost"
+        assert slider.get_attribute("aria-valuetext") == words
         assert view.inner_text("[data-part=readout] tr:nth-child(2) td:nth-child(3)") != "–"
         # A jump to the swap; a click into the curves; buttons.
         view.get_by_role("button", name="hands swapped, 8–23").click()
