@@ -1,30 +1,34 @@
 """What the search is worth: runs to the first swap against chance, shrinking, and equal results.
 
-    python examples/stress_power.py swaps --family cross --preset default --campaigns 20
-    python examples/stress_power.py shrink CASE.yaml...
+    python examples/stress_power.py swaps --family bounce --preset thesis --rate 1e-3 --jobs 4
+    python examples/stress_power.py shrink CASE.yaml... --jobs 4
     python examples/stress_power.py workers --family cross
 
-swaps: so many campaigns with different seeds, each up to its first swap, and --random many with
-random points, uniform over the same ranges, and nominal draws. shrink: runs, parameters left and
-survival of each case. workers: the same search with 1 and with 4 workers, compared byte for byte.
-Episodes are kept in --journal, so that a measurement that was stopped goes on.
+swaps: --plain points, uniform over the ranges, give the share that swaps; --campaigns searches with
+different seeds go to their first swap. The ranges are drawn in towards nominal by --scale, or by
+the scale at which about --rate of the points swap: it is looked for first, with other points.
+shrink: runs, parameters left, and how many of --fresh further noise seeds fail, of each case.
+workers: the same search with 1 and with 4 workers, compared byte for byte. All in fast. Answers are
+in the file --kept as soon as they are there: the same command goes on.
 """
 
 import argparse
+import json
 import subprocess
 import sys
 import tempfile
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from scenarios.execute.code_digest import NO_TRIAL, code_digest
 from scenarios.execute.journal import Journal
+from scenarios.execute.local import local_executor
 from scenarios.play.job import System
-from scenarios.stress.campaign import CampaignRequest
 from scenarios.stress.case import Case
 from scenarios.stress.case_file import case_of, load_case, system_of
+from scenarios.stress.estimate.probability import clopper_pearson
 from scenarios.stress.families import find_family
 from scenarios.stress.search.evaluation import Evaluator
 from scenarios.stress.search.search import SearchPlan, search_family
@@ -34,7 +38,10 @@ from scenarios.stress.trials import TrialRunner
 from sim.processes import Answer
 from sim.randomness import generator
 
-CHUNK = 16
+CHUNK = 50  # points of a task
+STEPS, LOOKED_AT = 6, 1000  # bisections of the scale, and points of each
+FIRST_SEED = 100  # of the campaigns: sizes of the search were chosen on seeds from 0
+TIME_LIMIT_S = 3600.0
 
 
 @dataclass(frozen=True)
@@ -52,61 +59,195 @@ class Here:
         pass
 
 
-def first_at_random(space, evaluator, budget, seed, kind):
-    """How many random points up to the first swap, None without any in the budget.
+@dataclass(frozen=True)
+class Task:
+    """A part of a measurement. stream, number: of a chunk of points or a campaign."""
 
-    kind: "uniform" over the ranges, or "nominal" draws.
-    """
-    rng = generator(seed, f"examples/stress_power/{kind}")
-    draw = {
-        "uniform": lambda: space.values_of_unit(rng.random(len(space.axes))),
-        "nominal": lambda: space.values_of_latent(rng.normal(size=len(space.axes))),
-    }[kind]
-    for start in range(0, budget, CHUNK):
-        count = min(CHUNK, budget - start)
-        cases = [Case(space.family.name, draw(), int(rng.integers(2**31))) for _ in range(count)]
-        for number, evaluation in enumerate(evaluator.evaluate(cases), start=start + 1):
-            if evaluation.failures(("swap",)):
-                return number
-    return None
+    family: str
+    preset: str
+    scale: float
+    stream: str
+    number: int
+    budget: int = 0
+
+    @property
+    def key(self):
+        return json.dumps([str(value) for value in vars(self).values()])
 
 
-def swaps(arguments, runner):
-    space = Space.of(find_family(arguments.family))
-    system = System(arguments.preset, arguments.preset)
-    evaluator = Evaluator(runner, system, "fast")
-    for kind in ("search", "uniform", "nominal"):
-        found = []
-        started = time.process_time()
-        for seed in range(arguments.campaigns if kind == "search" else arguments.random):
-            if kind == "search":
-                plan = SearchPlan(arguments.budget, ("swap",), seed, distinct=1)
-                found.append(search_family(space, evaluator.evaluate, plan).first_failure())
-            else:
-                found.append(first_at_random(space, evaluator, arguments.budget, seed, kind))
-            print(f"  {kind} seed {seed}: {found[-1]}", flush=True)
-        numbers = [arguments.budget + 1 if n is None else n for n in found]
-        hits = sum(n is not None for n in found)
-        runs = sum(min(n, arguments.budget) for n in numbers)
+class Kept:
+    """Answers to tasks, played by a pool, in a file of lines as soon as they are there."""
+
+    def __init__(self, path, jobs):
+        self.path, self.jobs = path, jobs
+        self.code = code_digest(NO_TRIAL)[:12]
+        self.answers = {}
+        if path.exists():
+            for line in path.read_text().splitlines():
+                code, key, answer = json.loads(line)
+                if code == self.code:
+                    self.answers[key] = answer
+
+    def of(self, function, tasks):
+        left = dict(enumerate(task for task in tasks if task.key not in self.answers))
+        if left:
+            with local_executor(self.jobs) as pool, self.path.open("a") as file:
+                for outcome in pool.outcomes(function, left, TIME_LIMIT_S):
+                    if outcome is not None:
+                        key, answer = left[outcome[0]].key, outcome[1].value
+                        self.answers[key] = answer
+                        file.write(json.dumps([self.code, key, answer]) + "\n")
+                        file.flush()
+        return [self.answers[task.key] for task in tasks]
+
+
+def space_of(family, scale):
+    """The space of a family whose ranges are drawn in towards nominal."""
+    whole = Space.of(find_family(family))
+    nominal, ranges = whole.nominal(), {}
+    for axis in whole.axes:
+        if not axis.choices:
+            middle = float(nominal[axis.name])
+            ends = (middle + scale * (end - middle) for end in (axis.low, axis.high))
+            ranges[axis.name] = tuple(axis.rounded(end) for end in ends)
+    return Space.of(find_family(family), ranges=ranges)
+
+
+def evaluated(task, then):
+    """Call with the space and the evaluator of a task; nothing is kept of its episodes."""
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        Journal.open(Path(folder) / "journal", "power") as journal,
+    ):
+        system = System(task.preset, task.preset)
+        evaluator = Evaluator(TrialRunner(Here(), journal), system, "fast")
+        return then(space_of(task.family, task.scale), evaluator)
+
+
+def swapping(task):
+    """Numbers of the points of a chunk that swap."""
+
+    def play(space, evaluator):
+        rng = generator(task.number, f"examples/stress_power/{task.stream}")
+        points = rng.random((CHUNK, len(space.axes)))
+        seeds = rng.integers(2**31, size=CHUNK).tolist()
+        cases = [
+            Case(task.family, space.values_of_unit(point), seed)
+            for point, seed in zip(points, seeds, strict=True)
+        ]
+        evaluations = evaluator.evaluate(cases)
+        return [n for n, e in enumerate(evaluations) if e.failures(("swap",))]
+
+    return evaluated(task, play)
+
+
+def first_swap(task):
+    """How many points a search evaluates up to its first swap; None without any."""
+
+    def play(space, evaluator):
+        plan = SearchPlan(task.budget, ("swap",), FIRST_SEED + task.number, distinct=1)
+        return search_family(space, evaluator.evaluate, plan).first_failure()
+
+    return evaluated(task, play)
+
+
+def points_that_swap(arguments, kept, scale, stream, count):
+    """Numbers of the points that swap, of `count` points."""
+    chunks = [
+        Task(arguments.family, arguments.preset, scale, stream, number)
+        for number in range(-(-count // CHUNK))
+    ]
+    found = kept.of(swapping, chunks)
+    return [CHUNK * number + n for number, of in enumerate(found) for n in of]
+
+
+def scale_of_rate(arguments, kept):
+    """The scale at which about the rate of the points swap, by bisection."""
+    low, high, scale = 0.0, 1.0, 1.0
+    for _ in range(STEPS):
+        hits = len(points_that_swap(arguments, kept, scale, "scale", LOOKED_AT))
+        print(f"  ranges drawn in to {scale:.3f}: {hits} of {LOOKED_AT} points swap", flush=True)
+        low, high = (low, scale) if hits > arguments.rate * LOOKED_AT else (scale, high)
+        if low == 1.0:
+            break
+        scale = round((low + high) / 2, 4)
+    return scale
+
+
+def swaps(arguments, kept):
+    scale = arguments.scale if arguments.rate is None else scale_of_rate(arguments, kept)
+    family, preset, budget = arguments.family, arguments.preset, arguments.budget
+    hits = points_that_swap(arguments, kept, scale, "plain", arguments.plain)
+    low, high = clopper_pearson(len(hits), arguments.plain)
+    print(
+        f"{family}, {preset}, ranges drawn in to {scale:g}: {len(hits)} of {arguments.plain} "
+        f"points swap, p = {len(hits) / arguments.plain:.2e} ({low:.2e} to {high:.2e})",
+        flush=True,
+    )
+    blocks = {hit // budget for hit in hits}
+    print(
+        f"chance: {len(blocks)} of {arguments.plain // budget} blocks of {budget} points hold one; "
+        f"median run {np.log(2) * arguments.plain / max(len(hits), 1):.0f}",
+        flush=True,
+    )
+    tasks = [
+        Task(family, preset, scale, "search", number, budget)
+        for number in range(arguments.campaigns)
+    ]
+    found = kept.of(first_swap, tasks)
+    runs = [budget + 1 if n is None else n for n in found]
+    print(
+        f"search: {sum(n is not None for n in found)} of {len(found)} campaigns of {budget} runs "
+        f"find a swap; median run {np.median(runs):g}; {found}"
+    )
+
+
+@dataclass(frozen=True)
+class ShrinkTask:
+    """A case to shrink."""
+
+    path: str
+    fresh: int
+    seed: int
+
+    @property
+    def key(self):
+        return json.dumps(["shrink", self.path, str(self.fresh), str(self.seed)])
+
+
+def shrunk(task):
+    record = load_case(Path(task.path))
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        Journal.open(Path(folder) / "journal", "power") as journal,
+    ):
+        evaluator = Evaluator(TrialRunner(Here(), journal), system_of(record), "fast")
+        case = case_of(record)
+        space = Space.of(find_family(record.family), ["fps"] if "fps" in case.values else [])
+        done = shrink(space, case, record.event, evaluator.evaluate, task.fresh, task.seed)
+    after = done.minimal_survival
+    return {
+        "case": record.name,
+        "event": record.event,
+        "survives": done.survival.text,
+        "parameters": len(done.changed),
+        "left": list(done.needed),
+        "runs": done.runs,
+        "again": None if after is None else [after.failed, after.of],
+    }
+
+
+def shrinks(arguments, kept):
+    tasks = [ShrinkTask(str(path), arguments.fresh, arguments.seed) for path in arguments.cases]
+    print("| case | event | survives | parameters | left | runs | fresh seeds that fail |")
+    print("|---|---|---|---|---|---|---|")
+    for done in kept.of(shrunk, tasks):
+        left = f"{len(done['left'])} ({', '.join(done['left']) or 'nominal'})"
+        again = "-" if done["again"] is None else "{} of {}".format(*done["again"])
+        left = "-" if done["again"] is None else left
         print(
-            f"{arguments.family}, {arguments.preset}, {kind}: {hits} of {len(found)} campaigns of "
-            f"{arguments.budget} runs find a swap; median run {np.median(numbers):g}; "
-            f"{1e3 * hits / runs:.1f} a thousand runs; {time.process_time() - started:.0f} s CPU"
-        )
-
-
-def shrinks(arguments, runner):
-    for path in arguments.cases:
-        record = load_case(path)
-        evaluator = Evaluator(runner, system_of(record), "fast")
-        space = Space.of(find_family(record.family))
-        done = shrink(space, case_of(record), record.event, evaluator.evaluate, arguments.fresh)
-        left = ", ".join(done.needed) or "-"
-        after = "" if done.minimal_survival is None else done.minimal_survival.text
-        print(
-            f"{record.name}: survives {done.survival.text}; {len(done.changed)} parameters -> "
-            f"{len(done.needed)} ({left}) in {done.runs} runs; minimal fails again {after}",
-            flush=True,
+            f"| {done['case']} | {done['event']} | {done['survives']} | {done['parameters']} | "
+            f"{left} | {done['runs']} | {again} |"
         )
 
 
@@ -131,17 +272,20 @@ def main():
     parser.add_argument("--family", default="cross")
     parser.add_argument("--preset", default="default")
     parser.add_argument("--campaigns", type=int, default=20)
-    parser.add_argument("--random", type=int, default=20, help="campaigns at random")
+    parser.add_argument("--plain", type=int, default=20_000, help="points at random")
+    parser.add_argument("--scale", type=float, default=1.0, help="of the ranges, about nominal")
+    parser.add_argument("--rate", type=float, help="of points that swap, which gives the scale")
     parser.add_argument("--budget", type=int, default=500)
     parser.add_argument("--fresh", type=int, default=100)
-    parser.add_argument("--journal", type=Path, default=Path("runs/stress-power"))
+    parser.add_argument("--seed", type=int, default=0, help="of the shrinking")
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--kept", type=Path, default=Path("stress-power.jsonl"))
     arguments = parser.parse_args()
     if arguments.what == "workers":
         workers(arguments)
         return
-    with Journal.open(arguments.journal, CampaignRequest("power", "").code()) as journal:
-        runner = TrialRunner(Here(), journal)
-        (swaps if arguments.what == "swaps" else shrinks)(arguments, runner)
+    kept = Kept(arguments.kept, arguments.jobs)
+    (swaps if arguments.what == "swaps" else shrinks)(arguments, kept)
 
 
 if __name__ == "__main__":

@@ -140,5 +140,19 @@ def serve(pipe: Any) -> None:
     importlib.import_module("sim.processes").serve(pipe)
 
 
+def call(module: str, name: str, *arguments: Any) -> Any:
+    """Call a function of ours in a process of another program, such as a worker of Dask."""
+    own_packages_first()
+    _limit_pictures()
+    return getattr(importlib.import_module(module), name)(*arguments)
+
+
+async def call_aside(module: str, name: str, *arguments: Any) -> Any:
+    """The same, in a thread: the event loop of the other program goes on."""
+    import asyncio
+
+    return await asyncio.to_thread(call, module, name, *arguments)
+
+
 if __name__ == "__main__":
     main()

@@ -12,6 +12,7 @@ from pjpdaf.errors import BenchError
 from pjpdaf.presets.names import DEFAULT_PRESET
 from scenarios.cli.options import (
     ByTarget,
+    Cluster,
     Detections,
     Jobs,
     Lag,
@@ -41,6 +42,7 @@ def run(
         ),
     ] = None,
     jobs: Jobs = None,
+    cluster: Cluster = None,
     out: RunOut = None,
     first_seed: Annotated[int, typer.Option(help="Where the seeds start.")] = 0,
     only: Annotated[
@@ -103,10 +105,10 @@ def run(
         asked = (targets, seeds, settings, out, only, from_, detections, first_seed, slim)
         if any((*asked, not films, lag, no_cache, by_target)) or preset != DEFAULT_PRESET:
             raise BenchError(
-                "--resume goes on with what was asked for: beside it only --jobs, --time-limit, "
-                "and --tracker or --detector, which must be the same"
+                "--resume goes on with what was asked for: beside it only --jobs, --cluster, "
+                "--time-limit, and --tracker or --detector, which must be the same"
             )
-        resume_run(resume, detector, tracker, jobs, time_limit)
+        resume_run(resume, detector, tracker, jobs, cluster, time_limit)
         return
     refuse_both_detectors(detections, detector)
     run_suite(
@@ -128,6 +130,7 @@ def run(
             ),
             preset=preset,
             jobs=jobs,
+            cluster=cluster,
             out=out,
             argv=tuple(sys.argv[1:]),
             slim=slim,
@@ -138,9 +141,16 @@ def run(
 
 
 def report(
-    runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Folders of saved runs.")],
+    runs: Annotated[list[Path], typer.Argument(metavar="RUN", help="Folders of saved runs.")],
     out: Annotated[
         Path | None, typer.Option(help="Where the page goes [RUN/report.html, of one run].")
+    ] = None,
+    baseline: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="BASE",
+            help="A saved run: the page begins with the gate's verdict against it.",
+        ),
     ] = None,
     rerun: Annotated[
         Path | None,
@@ -157,8 +167,8 @@ def report(
     `rerun FILE.rrd`; needs the extra `viz`.
     """
     if rerun is not None:
-        if len(runs) != 1 or out is not None:
-            raise BenchError("--rerun takes one run, and goes without --out.")
+        if len(runs) != 1 or out is not None or baseline is not None:
+            raise BenchError("--rerun takes one run, and goes without --out and --baseline.")
         from reports.rerun.run import write_rerun
         from reports.run.load import load
         from scenarios.console.interrupts import unwritten_if_interrupted
@@ -168,7 +178,7 @@ def report(
         return
     from scenarios.run.report import remake_report
 
-    typer.echo(f"report: {remake_report(runs, out)}")
+    typer.echo(f"report: {remake_report(runs, out, baseline)}")
 
 
 def score(

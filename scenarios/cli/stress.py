@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from typer.core import TyperGroup
 
 from pjpdaf.errors import BenchError
 from pjpdaf.presets.names import DEFAULT_PRESET
-from scenarios.cli.options import Jobs, PlugInName, PresetName
+from scenarios.cli.help import SentenceGroup
+from scenarios.cli.options import Cluster, Jobs, PlugInName, PresetName
 
 if TYPE_CHECKING:  # the verbs import it when they run: `--help` is quick
     from scenarios.stress.campaign import CampaignRequest
@@ -19,7 +19,7 @@ if TYPE_CHECKING:  # the verbs import it when they run: `--help` is quick
 _VERBS = ("promote",)  # may also stand before the case
 
 
-class TargetFirst(TyperGroup):
+class TargetFirst(SentenceGroup):
     """`stress FAMILY VERB`; `stress promote CASE` as well."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -68,7 +68,10 @@ def _target(
     ctx: typer.Context,
     target: Annotated[
         str,
-        typer.Argument(metavar="FAMILY[,FAMILY...]|all|CASE.yaml", help="What to stress."),
+        typer.Argument(
+            metavar="FAMILY|all|CASE.yaml",
+            help="What to stress: families with commas between them, or a case.",
+        ),
     ],
 ) -> None:
     ctx.obj = target
@@ -94,7 +97,7 @@ def campaign_of(
     against: str | None = None,
     **others: Any,
 ) -> CampaignRequest:
-    """The campaign of a verb by its options. others: seed, jobs, out, time_limit_s."""
+    """The campaign of a verb by its options. others: seed, jobs, cluster, out, time_limit_s."""
     from scenarios.stress.campaign import CampaignRequest
 
     return CampaignRequest(
@@ -139,6 +142,7 @@ def search(
     fidelity: FidelityName = None,
     seed: Seed = 0,
     jobs: Jobs = None,
+    cluster: Cluster = None,
     out: StressOut = None,
     time_limit: TimeLimit = 900.0,
 ) -> None:
@@ -162,6 +166,7 @@ def search(
                 against=against,
                 seed=seed,
                 jobs=jobs,
+                cluster=cluster,
                 out=out,
                 time_limit_s=time_limit,
             ),
@@ -183,12 +188,13 @@ def shrink(
     fidelity: FidelityName = None,
     seed: Seed = 0,
     jobs: Jobs = None,
+    cluster: Cluster = None,
     out: StressOut = None,
     time_limit: TimeLimit = 900.0,
 ) -> None:
-    """Shrink CASE.yaml: fewest and smallest changes from nominal, fewest frames.
+    """Shrink CASE.yaml: fewest changes from nominal, then smaller ones, then fewest frames.
 
-    A form counts if it fails with 6 of 8 fresh noise seeds. Writes minimal.yaml and severe.yaml.
+    It must fail with 6 of 8 fresh noise seeds. At most 150 runs; writes minimal.yaml, severe.yaml.
     """
     from scenarios.stress.campaign import CampaignRequest
     from scenarios.stress.shrink_verb import ShrinkRequest, shrink_verb
@@ -199,6 +205,7 @@ def shrink(
         fidelity=fidelity_named(fidelity),
         seed=seed,
         jobs=jobs,
+        cluster=cluster,
         out=out,
         time_limit_s=time_limit,
     )

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from pjpdaf.presets.names import DEFAULT_PRESET
-from scenarios.cli.options import Jobs, PlugInName, PresetName
+from scenarios.cli.options import Cluster, Jobs, PlugInName, PresetName
 from scenarios.cli.stress import (
     Also,
     FidelityName,
@@ -49,6 +49,7 @@ def map_failures(
     fidelity: FidelityName = None,
     seed: Seed = 0,
     jobs: Jobs = None,
+    cluster: Cluster = None,
     out: StressOut = None,
     time_limit: TimeLimit = 900.0,
 ) -> None:
@@ -74,6 +75,7 @@ def map_failures(
                 fidelity=fidelity,
                 seed=seed,
                 jobs=jobs,
+                cluster=cluster,
                 out=out,
                 time_limit_s=time_limit,
             ),
@@ -104,6 +106,7 @@ def estimate(
     fidelity: FidelityName = None,
     seed: Seed = 0,
     jobs: Jobs = None,
+    cluster: Cluster = None,
     out: StressOut = None,
     time_limit: TimeLimit = 900.0,
 ) -> None:
@@ -127,6 +130,7 @@ def estimate(
                     fidelity=fidelity,
                     seed=seed,
                     jobs=jobs,
+                    cluster=cluster,
                     out=out,
                     time_limit_s=time_limit,
                 ),
@@ -161,6 +165,7 @@ def compare(
     fidelity: FidelityName = None,
     seed: Seed = 0,
     jobs: Jobs = None,
+    cluster: Cluster = None,
     out: StressOut = None,
     time_limit: TimeLimit = 900.0,
 ) -> None:
@@ -185,6 +190,7 @@ def compare(
                 against=b,
                 seed=seed,
                 jobs=jobs,
+                cluster=cluster,
                 out=out,
                 time_limit_s=time_limit,
             ),

@@ -20,7 +20,7 @@ from sim.dataset.files.manifest import SequenceEntry
 
 @dataclass(frozen=True)
 class MakeRequest:
-    """The options of `dataset make`; None = the default."""
+    """The options of `dataset make`; None = the default. cluster: as of `place_of`."""
 
     targets: tuple[str, ...]
     out: Path
@@ -31,6 +31,7 @@ class MakeRequest:
     exports: tuple[str, ...] = ()
     ladder: bool = False
     jobs: int | None = None
+    cluster: str | None = None
 
 
 def plan_recipes(request: MakeRequest) -> list[Recipe]:
@@ -84,6 +85,6 @@ def sequence_entry(index: int, recipe: Recipe) -> SequenceEntry:
         seed=job.seed,
         rung=recipe.rung,
         digest=digest_of(job),
-        frames=int(setting_of(job.scenario, job.overrides, "frames")),
+        frames=job.frames,
         fps=setting_of(job.scenario, job.overrides, "fps"),
     )

@@ -25,12 +25,17 @@ EPISODE_TIME_LIMIT_S = 900.0
 class PlayResults:
     """The results of a list of jobs, in their order; of an interrupted run the finished ones.
 
-    renderer: the description of what drew their pictures, "" where that is not known.
+    renderers: descriptions of what drew their pictures, none where that is not known.
     """
 
     rows: tuple[EpisodeRows, ...]
     interrupted: bool
-    renderer: str
+    renderers: frozenset[str]
+
+    @property
+    def renderer(self) -> str:
+        """All renderers in one line, for run.json."""
+        return "; ".join(sorted(self.renderers))
 
 
 def _play_safely(job: Job) -> EpisodeRows | BenchError:
@@ -68,12 +73,12 @@ def play_all(
     """
     results = dict(finished)
     interrupted = False
-    renderer = ""
+    renderers: frozenset[str] = frozenset()
     try:
         tasks = {index: job for index, job in enumerate(jobs) if index not in results}
-        renderer = _renderer_here(executor, tasks.values())
+        renderers = _renderers_here(executor, tasks.values())
         for index, row in finished.items():
-            if renderer and row.renderer not in ("", renderer):
+            if renderers and row.renderer and row.renderer not in renderers:
                 tasks[index] = jobs[index]
                 del results[index]
         shelf = _shelf_of(results, jobs)
@@ -88,24 +93,25 @@ def play_all(
     except KeyboardInterrupt:
         interrupted = True
     rows = tuple(results[i] for i in sorted(results))
-    drawn_by = "; ".join(sorted({row.renderer for row in rows if row.renderer}))
-    return PlayResults(rows, interrupted, drawn_by or renderer)
+    drawn_by = frozenset({row.renderer for row in rows if row.renderer})
+    return PlayResults(rows, interrupted, drawn_by or renderers)
 
 
-def _renderer_here(executor: Executor, jobs: Collection[Job]) -> str:
-    """The renderer that draws these jobs, or drew them; "" where nothing says.
+def _renderers_here(executor: Executor, jobs: Collection[Job]) -> frozenset[str]:
+    """The renderers that draw these jobs, or drew them; none where nothing says.
 
     The executor's processes are asked where a job is to be rendered. Raises InfrastructureError
     without OpenGL, unless pictures of every job are in the cache.
     """
     drawn = [job for job in jobs if job.kept is None]
     if all(is_cached(job) for job in drawn):
-        return next(filter(None, map(remembered_renderer, drawn)), "")
+        named = next(filter(None, map(remembered_renderer, drawn)), "")
+        return frozenset({named}) - {""}
     try:
-        return executor.renderer()
+        return executor.renderers()
     except InfrastructureError:
         if all(is_cached(job, anyhow=True) for job in drawn):
-            return ""
+            return frozenset()
         raise
 
 
@@ -119,8 +125,7 @@ def _rows_of_outcome(
             return _failure(
                 job, "time limit", f"not finished within {limit}; --time-limit gives it more"
             )
-        times, code = outcome.attempts, outcome.exit_code
-        return _failure(job, "worker died", f"its worker died {times} times (exit code {code})")
+        return _failure(job, "worker died", outcome.death)
     if isinstance(outcome.value, BenchError):
         raise outcome.value
     return outcome.value

@@ -5,10 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Protocol, TypeVar
 
+from pjpdaf.errors import InfrastructureError
 from sim.processes import ATTEMPTS, Answer, Lost
 
 T = TypeVar("T")
 R = TypeVar("R")
+
+
+class ClusterFault(InfrastructureError):
+    """A cluster that does not go on. What is finished is kept."""
 
 
 class Executor(Protocol):
@@ -32,8 +37,15 @@ class Executor(Protocol):
         """
         ...
 
-    def renderer(self) -> str:
-        """Description of the OpenGL renderer of its processes. Raises InfrastructureError."""
+    def renderers(self) -> frozenset[str]:
+        """Descriptions of the OpenGL renderers of its processes: several on unlike machines.
+
+        Raises InfrastructureError.
+        """
+        ...
+
+    def running_steps(self) -> int:
+        """Steps, such as frames, of the tasks in progress; 0 where that is not known."""
         ...
 
     def close(self) -> None:

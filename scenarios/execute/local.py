@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from pjpdaf.errors import BenchError
+from reports.summary.text import count
 from scenarios.execute.executor import Executor
 from sim.processes import WorkerPool
 
@@ -23,13 +24,17 @@ def worker_count(jobs: int | None) -> int:
         return cores
     if not 1 <= jobs <= most:
         raise BenchError(
-            f"--jobs must be between 1 and {most}, got {jobs}; this machine has {cores} cores"
+            f"--jobs must be between 1 and {most}, got {jobs}; this machine has "
+            f"{count(cores, 'core')}"
         )
     return jobs
 
 
 @contextmanager
-def local_executor(workers: int) -> Iterator[Executor]:
-    """An executor with this many worker processes, which end with the block."""
-    with WorkerPool(workers) as pool:
+def local_executor(workers: int, tasks_per_worker: int = 0) -> Iterator[Executor]:
+    """An executor with this many worker processes, which end with the block.
+
+    tasks_per_worker: as of `WorkerPool`.
+    """
+    with WorkerPool(workers, tasks_per_worker) as pool:
         yield pool

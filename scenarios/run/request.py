@@ -23,14 +23,15 @@ MAX_BYTES = 1 << 20
 class RunRequest:
     """Arguments of `run`; None: the default.
 
-    plan: the episodes; jobs: worker processes; out: folder of the saved run; argv: the command
-    line, for run.json; slim: save only what `compare` needs; time_limit_s: of one episode;
-    by_target: print a row for each target.
+    plan: the episodes; jobs: worker processes; cluster: as of `place_of`; out: folder of the
+    saved run; argv: the command line, for run.json; slim: save only what `compare` needs;
+    time_limit_s: of one episode; by_target: print a row for each target.
     """
 
     plan: PlanRequest = field(default_factory=PlanRequest)
     preset: str = DEFAULT_PRESET
     jobs: int | None = None
+    cluster: str | None = None
     out: Path | None = None
     argv: tuple[str, ...] = ()
     slim: bool = False
@@ -39,8 +40,9 @@ class RunRequest:
 
 
 def write_request(path: Path, request: RunRequest) -> None:
-    """Write a request as JSON, without folder and processes. Raises BenchError."""
-    data = TypeAdapter(RunRequest).dump_json(replace(request, out=None, jobs=None), indent=1)
+    """Write a request as JSON, without folder, processes and cluster. Raises BenchError."""
+    plain = replace(request, out=None, jobs=None, cluster=None)
+    data = TypeAdapter(RunRequest).dump_json(plain, indent=1)
     with written_whole_file(path, "the request", replace=True) as part:
         part.write_bytes(data + b"\n")
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from rich.console import Console
 
 from pjpdaf.errors import BenchError, InfrastructureError
+from pjpdaf.presets.registry import find_preset
 from reports.page.page import write_page
 from reports.run.load import SavedRun
 from reports.run.rows import EpisodeRows
@@ -22,11 +23,13 @@ from scenarios.cache.report import origin_line
 from scenarios.cache.settings import cache_settings
 from scenarios.console.folder import unfinished
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
-from scenarios.console.progress import progress_bar
+from scenarios.console.progress import progress
+from scenarios.console.tables import print_table
 from scenarios.execute.episodes import PlayResults, play_all
-from scenarios.execute.executor import Executor
+from scenarios.execute.executor import ClusterFault, Executor
 from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
-from scenarios.execute.local import local_executor, worker_count
+from scenarios.execute.place import Place, executor_at, place_of
+from scenarios.execute.software import PlugIns
 from scenarios.play.from_dataset import open_with_sequences, renderer_of
 from scenarios.play.plan import plan
 from scenarios.run.corpus_verdict import (
@@ -53,7 +56,8 @@ def run_suite(request: RunRequest) -> None:
             f"--time-limit must be above 0 s, at most {MAX_TIME_LIMIT_S:g}, got "
             f"{request.time_limit_s:g}"
         )
-    workers = worker_count(request.jobs)
+    find_preset(request.preset)
+    place = place_of(request.jobs, request.cluster)
     wanted = request.plan
     allow_plug_ins_from_here(wanted.detector, wanted.tracker)
     # Detections from files have no code to be tried.
@@ -61,7 +65,7 @@ def run_suite(request: RunRequest) -> None:
     jobs = plan(wanted)
     names = wanted.targets if wanted.dataset is None else (wanted.dataset.absolute().name,)
     with reserved(request, jobs, names) as run, interrupts() as arrived:
-        _play_and_save(request, run, workers, arrived)
+        _play_and_save(request, run, place, arrived)
 
 
 def resume_run(
@@ -69,33 +73,45 @@ def resume_run(
     detector: str | None,
     tracker: str | None,
     jobs: int | None,
+    cluster: str | None,
     time_limit_s: float | None,
 ) -> None:
     """Go on with the unfinished run of a folder.
 
     detector, tracker: of the run, as the user names them; must be given for plug-ins. jobs,
-    time_limit_s: None for the default and the run's own. Raises as `run_suite`.
+    cluster, time_limit_s: None for the default and the run's own. Raises as `run_suite`.
     """
-    place = unfinished_run(folder)
-    request = read_request(unfinished(place) / REQUEST, detector, tracker)
+    folder = unfinished_run(folder)
+    request = read_request(unfinished(folder) / REQUEST, detector, tracker)
     limit_s = request.time_limit_s if time_limit_s is None else time_limit_s
-    run_suite(replace(request, out=place, jobs=jobs, time_limit_s=limit_s))
+    run_suite(replace(request, out=folder, jobs=jobs, cluster=cluster, time_limit_s=limit_s))
 
 
 def _play_and_save(
-    request: RunRequest, run: UnfinishedRun, workers: int, arrived: Interrupts
+    request: RunRequest, run: UnfinishedRun, place: Place, arrived: Interrupts
 ) -> None:
     started = time.perf_counter()
-    with local_executor(workers) as executor:
-        played = _play_with_progress(run, executor, request.time_limit_s, arrived)
+    wanted = request.plan
+    detector = wanted.detector if wanted.detections is None else None
+    plug_ins = PlugIns.named(detector, wanted.tracker)
+    with executor_at(place, plug_ins) as executor:
+        try:
+            played = _play_with_progress(run, executor, request.time_limit_s, arrived)
+        except ClusterFault as fault:
+            goes_on = f"`{resume_command(run.shown, request)}` goes on, here or on a cluster"
+            raise fault.reworded(
+                f"{fault}; {run.kept} of {count(len(run.jobs), 'episode')} are kept"
+                + (f"; {goes_on}" if run.kept else "")
+            ) from fault
     # From here on signals are only counted: saving goes on to its end.
     if request.plan.dataset is not None:
         dataset = open_with_sequences(request.plan.dataset)
-        played = replace(played, renderer=renderer_of(dataset))
+        played = replace(played, renderers=frozenset({renderer_of(dataset)}))
     if not played.rows:
         raise Interrupted("interrupted before any episode was finished; nothing saved")
     wall_s = time.perf_counter() - started
-    with run.kept_after_faults():
+    with run.kept_after_faults(), progress() as meter:
+        meter.begin("saving the run", None)
         saved = save_run(
             request.plan,
             run.jobs,
@@ -106,17 +122,18 @@ def _play_and_save(
             slim=request.slim,
         )
         if not request.slim:
+            meter.begin("writing the page", None)
             write_page([saved], run.staged / "report.html")
     run.publish()
     corpus = outcomes_of(request.plan.targets, run.jobs, played.rows)
-    _print_results(request, run, played, saved, corpus, wall_s, workers)
+    _print_results(request, run, played, saved, corpus, wall_s, place)
     if saved.meta["complete"]:
         run.discard()
     if arrived.arrived:
         remedy = f"; `{resume_command(run.shown, request)}` goes on" if played.interrupted else ""
         raise Interrupted(
-            f"interrupted: {len(played.rows)} of {len(run.jobs)} episodes are in the saved run"
-            f"{remedy}"
+            f"interrupted: {len(played.rows)} of {count(len(run.jobs), 'episode')} are in the "
+            f"saved run{remedy}"
         )
     refuse_failures(played)
     refuse_regressions(corpus)
@@ -129,11 +146,11 @@ def _print_results(
     saved: SavedRun,
     corpus: Sequence[CaseOutcome],
     wall_s: float,
-    workers: int,
+    place: Place,
 ) -> None:
     out = Console()
     table = target_table if request.by_target else scenario_table
-    out.print(table(summarise(saved)))
+    print_table(table(summarise(saved)), out)
     for line in blame_lines(saved.events):
         out.print(f"to blame for {line}", highlight=False)
     if (budget := budget_of(saved)) is not None:
@@ -143,10 +160,19 @@ def _print_results(
     kept = f"; {len(run.finished)} were there" if run.finished else ""
     out.print(
         f"{count(len(played.rows), 'episode')}, {count(frames, 'stereo frame')} in {wall_s:.0f} s "
-        f"({max(now, 0) / wall_s:.1f} a second, {workers} workers){kept}",
+        f"({max(now, 0) / wall_s:.1f} a second, {place}){kept}",
         highlight=False,
     )
-    settings = cache_settings() if request.plan.use_cache else None
+    if len(played.renderers) > 1:
+        listed = "; ".join(sorted(played.renderers))
+        out.print(
+            f"the renderer differs among the workers, and so do pixels: {listed}",
+            highlight=False,
+            soft_wrap=True,
+        )
+    # What workers of a cluster keep lies with them.
+    cached = request.plan.use_cache and request.plan.dataset is None and not place.scheduler
+    settings = cache_settings() if cached else None
     if origin := origin_line(played.rows, settings):
         out.print(origin, highlight=False, soft_wrap=True)
     for line in verdict_lines(corpus):
@@ -163,7 +189,7 @@ def refuse_failures(played: PlayResults) -> None:
     if failed:
         first = failed[0]
         raise InfrastructureError(
-            f"{len(failed)} of {len(played.rows)} episodes gave no result, the first: "
+            f"{len(failed)} of {count(len(played.rows), 'episode')} gave no result, the first: "
             f"{first.scenario} seed {first.seed}: {first.failure}"
         )
 
@@ -172,14 +198,18 @@ def _play_with_progress(
     run: UnfinishedRun, executor: Executor, time_limit_s: float, arrived: Interrupts
 ) -> PlayResults:
     """Play what is not finished; each episode is kept as it is finished."""
-    with progress_bar(Console(stderr=True)) as progress:
-        finished = len(run.finished)
-        task = progress.add_task("starting", total=len(run.jobs), completed=finished)
+    frames = [job.frames for job in run.jobs]
+    done = set(run.finished)
+    with progress(running=executor.running_steps) as meter:
+
+        def doing() -> str:
+            return f"{len(done)}/{count(len(run.jobs), 'episode')}"
 
         def on_done(index: int, row: EpisodeRows) -> None:
             run.keep(run.jobs[index], row)
-            label = f"{row.scenario} seed {row.seed}"
-            progress.update(task, advance=1, description=label)
+            done.add(index)
+            meter.finish(frames[index], doing())
 
+        meter.begin(doing(), sum(frames), finished=sum(frames[index] for index in done))
         with arrived.raising():
             return play_all(run.jobs, executor, on_done, time_limit_s, run.finished)

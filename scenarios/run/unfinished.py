@@ -49,6 +49,11 @@ class UnfinishedRun:
         return unfinished(self.folder)
 
     @property
+    def kept(self) -> int:
+        """How many episodes are finished and on the disk."""
+        return len(self._journal.finished)
+
+    @property
     def staged(self) -> Path:
         """The folder in which the saved run is made."""
         return self.part / self.folder.name

@@ -20,9 +20,11 @@ from pjpdaf.presets.names import DEFAULT_PRESET
 from pjpdaf.presets.registry import PRESETS
 from scenarios.console.interrupts import Interrupted, interrupts
 from scenarios.execute.code_digest import NO_TRIAL, code_digest, plug_in_digest
+from scenarios.execute.executor import ClusterFault
 from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
 from scenarios.execute.journal import Journal
-from scenarios.execute.local import local_executor, worker_count
+from scenarios.execute.place import executor_at, place_of
+from scenarios.execute.software import PlugIns
 from scenarios.play.fast_trust import fast_trust
 from scenarios.play.job import System
 from scenarios.play.settings import read_settings
@@ -48,7 +50,8 @@ class CampaignRequest:
     target: families, with commas between them, or `all`; settings: `--set` arguments, of a scenario
     (it does not vary then), `tracker.` or `detector.`; also: further parameters that vary; ranges:
     `NAME=LOW..HIGH`; fidelity: None: fast where the detector lets it; options: of the verb, part of
-    the campaign's identity; jobs: worker processes.
+    the campaign's identity; jobs: worker processes; cluster: as of
+    `place_of`.
     """
 
     verb: str
@@ -62,6 +65,7 @@ class CampaignRequest:
     against: str | None = None
     seed: int = 0
     jobs: int | None = None
+    cluster: str | None = None
     out: Path | None = None
     time_limit_s: float = TIME_LIMIT_S
     options: Mapping[str, Any] = field(default_factory=dict)
@@ -71,6 +75,12 @@ class CampaignRequest:
         """The system under test. Raises BenchError for a setting that is no pair."""
         settings = read_settings(self.settings)
         return System(self.detector, self.tracker, settings.detector, settings.tracker)
+
+    @property
+    def plug_ins(self) -> PlugIns:
+        """The code that is not ours."""
+        others = () if self.against is None else (self.against,)
+        return PlugIns.named(self.detector, self.tracker, *others)
 
     @property
     def other(self) -> System | None:
@@ -84,7 +94,7 @@ class CampaignRequest:
     def identity(self) -> str:
         """Canonical JSON of everything that decides the results, the code's version included."""
         record = asdict(self)
-        for name in ("jobs", "out", "time_limit_s"):
+        for name in ("jobs", "cluster", "out", "time_limit_s"):
             del record[name]
         return json.dumps({**record, "code": self.code()}, sort_keys=True, default=str)
 
@@ -173,7 +183,7 @@ def open_campaign(request: CampaignRequest, total: int | None = None) -> Iterato
     if not 0 <= request.seed < 2**31:
         raise BenchError(f"--seed must be between 0 and {2**31 - 1}, got {request.seed}")
     spaces = spaces_of(request)
-    workers = worker_count(request.jobs)
+    place = place_of(request.jobs, request.cluster)
     fidelity = fidelity_of(request)
     system, other = request.system, request.other
     for tested in (system, other):
@@ -184,20 +194,26 @@ def open_campaign(request: CampaignRequest, total: int | None = None) -> Iterato
     with (
         interrupts() as arrived,
         Journal.open(folder, request.code()) as journal,
-        local_executor(workers) as executor,
-        campaign_progress(total) as progress,
+        executor_at(place, request.plug_ins) as executor,
+        campaign_progress(executor, total) as progress,
     ):
         if fidelity == "full":
-            executor.renderer()  # raises where there is no OpenGL
+            executor.renderers()  # raises where there is no OpenGL
         runner = TrialRunner(executor, journal, request.time_limit_s, progress.on_result)
         try:
             with arrived.raising():
                 yield Campaign(request, spaces, system, other, fidelity, folder, runner, progress)
         except KeyboardInterrupt:
-            raise Interrupted(
-                f"interrupted: {len(journal.finished)} finished runs are kept in {folder}; the "
-                "same command goes on from there"
-            ) from None
+            raise Interrupted(f"interrupted: {_kept(journal, folder)}") from None
+        except ClusterFault as fault:
+            raise fault.reworded(f"{fault}; {_kept(journal, folder)}") from fault
+
+
+def _kept(journal: Journal, folder: Path) -> str:
+    return (
+        f"{len(journal.finished)} finished runs are kept in {folder}; the same command goes on "
+        "from there"
+    )
 
 
 def fidelity_of(request: CampaignRequest) -> Fidelity:

@@ -9,7 +9,7 @@ from reports.score.robustness import GOALS, measures_of
 from scenarios.stress.case import Case, TrialResult
 from scenarios.stress.search.distinct import DistinctFailure
 from scenarios.stress.search.evaluation import Evaluation
-from scenarios.stress.shrink import Survival, survival_of
+from scenarios.stress.survival import Survival, survival_of
 from sim.randomness import generator
 
 SEEDS = 4  # fresh noise seeds by which the case to render is chosen

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cache
 
 Keeps = Callable[[tuple[str, ...]], bool]
 
@@ -11,9 +12,10 @@ def minimal_changes(names: Sequence[str], fails_with: Keeps) -> tuple[str, ...]:
     """Names of the changes that are needed for the failure, in their order.
 
     names: of all changes, those that are likely to go first; fails_with: whether it still fails
-    with these changes alone. Groups are undone whole, and halved where that cures it (Zeller and
-    Hildebrandt 2002), until no single change can be undone any more.
+    with these changes alone, asked once of each set. Groups are undone whole, and halved where that
+    cures it (Zeller and Hildebrandt 2002), until no single change can be undone any more.
     """
+    fails_with = cache(fails_with)
     kept = tuple(names)
     while True:
         before = kept

@@ -14,8 +14,9 @@ from scenarios.stress.campaign import CampaignRequest, open_campaign
 from scenarios.stress.case import Case
 from scenarios.stress.case_file import case_of, corpus_case, load_case, system_of, write_case
 from scenarios.stress.search.evaluation import Evaluator
-from scenarios.stress.shrink import NEEDED, SEEDS, Shrunk, Survival, shrink
+from scenarios.stress.shrink import NEEDED, SEEDS, Shrunk, shrink
 from scenarios.stress.space import Space
+from scenarios.stress.survival import Survival
 
 MAX_FRESH = 100_000
 

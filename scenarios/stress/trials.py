@@ -72,7 +72,4 @@ class TrialRunner:
     def _loss(self, lost: Lost) -> TrialFailure:
         if lost.late:
             return TrialFailure("time limit", f"not finished within {self.time_limit_s:g} s")
-        return TrialFailure(
-            "worker died",
-            f"its worker died {lost.attempts} times (exit code {lost.exit_code})",
-        )
+        return TrialFailure("worker died", lost.death)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
 
 from scenarios.stress.case import Case
 from scenarios.stress.minimise import minimal_changes
@@ -86,8 +85,7 @@ def attribute(
 
     narrowed = True
 
-    @cache
-    def fails_with(names: tuple[str, ...]) -> bool:
+    def fails_with(names: Sequence[str]) -> bool:
         nonlocal narrowed
         failed = evaluate(with_changes(names))
         narrowed = narrowed and failed is not None

@@ -226,7 +226,7 @@ class LimitedWhereItHangs:
 
     def __init__(self, executor):
         self.executor = executor
-        self.renderer, self.close = executor.renderer, executor.close
+        self.renderers, self.close = executor.renderers, executor.close
 
     def outcomes(self, function, tasks, limit_s, attempts=ATTEMPTS):
         for index, task in tasks.items():
@@ -263,7 +263,7 @@ def test_what_is_finished_is_not_played_unless_another_renderer_drew_it(executor
     assert [row.failure for row in played.rows] == ["kept", "", ""]
     assert sorted(index for index, _ in told) == [1, 2]
     assert all(row is played.rows[index] for index, row in told)
-    assert played.renderer == executor.renderer()
+    assert played.renderers == executor.renderers()
 
 
 def test_a_fault_of_the_user_ends_the_run(executor):
