@@ -47,7 +47,9 @@ def pending(pid):
 def worker_pids(pid):
     """Process ids of the workers that a process started (not of Python's own resource tracker)."""
     pids = []
-    for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
+    # A child is that of the thread that started it.
+    threads = Path(f"/proc/{pid}/task").iterdir()
+    for child in " ".join((thread / "children").read_text() for thread in threads).split():
         try:
             words = Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")
         except FileNotFoundError:  # it has ended

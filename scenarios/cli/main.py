@@ -40,6 +40,7 @@ app = typer.Typer(
 )
 for verb in (
     run.run,
+    run.merge,
     gate.compare,
     gate.baseline,
     run.report,

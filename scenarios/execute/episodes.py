@@ -87,13 +87,19 @@ def play_all(
             index, outcome = indexed
             results[index] = _rows_of_outcome(outcome, jobs[index], time_limit_s)
             if results[index].film:
-                _drop_films(results)
+                drop_films(results)
             on_done(index, results[index])
     except KeyboardInterrupt:
         interrupted = True
-    rows = tuple(results[i] for i in sorted(results))
-    drawn_by = frozenset({row.renderer for row in rows if row.renderer})
-    return PlayResults(rows, interrupted, drawn_by or renderers)
+    played = results_of(results, interrupted)
+    return played if played.renderers else replace(played, renderers=renderers)
+
+
+def results_of(rows: Mapping[int, EpisodeRows], interrupted: bool = False) -> PlayResults:
+    """Results by the index of the job."""
+    ordered = tuple(rows[index] for index in sorted(rows))
+    renderers = frozenset({row.renderer for row in ordered if row.renderer})
+    return PlayResults(ordered, interrupted, renderers)
 
 
 def _renderers_here(executor: Executor, jobs: Collection[Job]) -> frozenset[str]:
@@ -130,7 +136,7 @@ def _rows_of_outcome(
     return outcome.value
 
 
-def _drop_films(results: dict[int, EpisodeRows]) -> None:
+def drop_films(results: dict[int, EpisodeRows]) -> None:
     """Forget films that will not be saved: all of them together would not fit into memory."""
     kept = films_to_keep(list(results.values()))
     for index, row in results.items():

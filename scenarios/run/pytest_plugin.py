@@ -143,7 +143,7 @@ def _play_and_save(request: PlanRequest, jobs: int | None, folder: Path) -> Save
     from scenarios.execute.isolated import allow_plug_ins_from_here
     from scenarios.execute.local import local_executor, worker_count
     from scenarios.play.plan import plan
-    from scenarios.run.run import refuse_failures
+    from scenarios.run.finish import refuse_failures
     from scenarios.run.save_run import save_run
 
     allow_plug_ins_from_here(request.detector, request.tracker)

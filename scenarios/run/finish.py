@@ -1,0 +1,123 @@
+"""The end of a run: save its rows, make its page, print its table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.console import Console
+
+from pjpdaf.errors import InfrastructureError
+from reports.page.page import write_page
+from reports.run.load import SavedRun
+from reports.summary.budget import budget_of
+from reports.summary.causes import blame_lines, budget_line
+from reports.summary.tables import summarise
+from reports.summary.terminal import scenario_table, target_table
+from reports.summary.text import count
+from scenarios.cache.report import origin_line
+from scenarios.cache.settings import cache_settings
+from scenarios.console.interrupts import Interrupted, Interrupts
+from scenarios.execute.episodes import PlayResults
+from scenarios.run.corpus_verdict import (
+    CaseOutcome,
+    outcomes_of,
+    refuse_regressions,
+    verdict_lines,
+)
+from scenarios.run.request import RunRequest, resume_command
+from scenarios.run.save_run import save_run
+from scenarios.run.unfinished import UnfinishedRun
+
+
+def finish_run(
+    request: RunRequest,
+    run: UnfinishedRun,
+    played: PlayResults,
+    how: str,
+    arrived: Interrupts,
+    *,
+    cached_here: bool = True,
+) -> None:
+    """Save and print what was played. Signals are only counted: saving goes on to its end.
+
+    how: it was played, for the terminal; cached_here: whether this machine's cache was used. Raises
+    BenchError of the disk, InfrastructureError where an episode gives no result, Interrupted after
+    a signal.
+    """
+    if not played.rows:
+        raise Interrupted("interrupted before any episode was finished; nothing saved")
+    with run.kept_after_faults():
+        saved = save_run(
+            request.plan,
+            run.jobs,
+            played,
+            run.staged,
+            preset=request.preset,
+            argv=request.argv,
+            slim=request.slim,
+        )
+        if not request.slim:
+            write_page([saved], run.staged / "report.html")
+    run.publish()
+    corpus = outcomes_of(request.plan.targets, run.jobs, played.rows)
+    _print_results(request, run, played, saved, corpus, how, cached_here)
+    if saved.meta["complete"]:
+        run.discard()
+    if arrived.arrived:
+        remedy = f"; `{resume_command(run.shown, request)}` goes on" if played.interrupted else ""
+        raise Interrupted(
+            f"interrupted: {len(played.rows)} of {len(run.jobs)} episodes are in the saved run"
+            f"{remedy}"
+        )
+    refuse_failures(played)
+    refuse_regressions(corpus)
+
+
+def _print_results(
+    request: RunRequest,
+    run: UnfinishedRun,
+    played: PlayResults,
+    saved: SavedRun,
+    corpus: Sequence[CaseOutcome],
+    how: str,
+    cached_here: bool,
+) -> None:
+    out = Console()
+    table = target_table if request.by_target else scenario_table
+    out.print(table(summarise(saved)))
+    for line in blame_lines(saved.events):
+        out.print(f"to blame for {line}", highlight=False)
+    if (budget := budget_of(saved)) is not None:
+        out.print(budget_line(budget), highlight=False)
+    frames = sum(row.frame_count for row in played.rows)
+    out.print(
+        f"{count(len(played.rows), 'episode')}, {count(frames, 'stereo frame')} {how}",
+        highlight=False,
+    )
+    if len(played.renderers) > 1:
+        listed = "; ".join(sorted(played.renderers))
+        out.print(
+            f"the renderer differs among the workers, and so do pixels: {listed}",
+            highlight=False,
+            soft_wrap=True,
+        )
+    settings = cache_settings() if request.plan.use_cache and cached_here else None
+    if origin := origin_line(played.rows, settings):
+        out.print(origin, highlight=False, soft_wrap=True)
+    for line in verdict_lines(corpus):
+        out.print(line, highlight=False, soft_wrap=True)
+    if request.slim:
+        out.print(f"slim run: {run.shown}", highlight=False, soft_wrap=True)
+    else:
+        out.print(f"report: {run.shown / 'report.html'}", highlight=False, soft_wrap=True)
+
+
+def refuse_failures(played: PlayResults) -> None:
+    """Raise InfrastructureError where an episode gave no result; it names the first."""
+    failed = [row for row in played.rows if row.failure]
+    if failed:
+        first = failed[0]
+        raise InfrastructureError(
+            f"{len(failed)} of {len(played.rows)} episodes gave no result, the first: "
+            f"{first.scenario} seed {first.seed}: {first.failure}"
+        )
