@@ -15,6 +15,7 @@ import sys
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 from pjpdaf.errors import InfrastructureError
@@ -157,6 +158,19 @@ def context() -> Any:
         _local.context, _local.pid = held, pid
     held.make_current()
     return held
+
+
+@functools.cache
+def functions() -> SimpleNamespace:
+    """OpenGL's functions and constants by name, up to 3.0; needs a context only when called.
+
+    From the modules of the versions: to import all of OpenGL.GL takes five times as long.
+    """
+    load_mujoco()  # sets the platform that PyOpenGL takes
+    names: dict[str, Any] = {}
+    for version in ("1_0", "1_1", "1_3", "2_0", "3_0"):
+        names |= vars(importlib.import_module(f"OpenGL.raw.GL.VERSION.GL_{version}"))
+    return SimpleNamespace(**{k: v for k, v in names.items() if k.lower().startswith("gl")})
 
 
 def _create_context() -> Any:

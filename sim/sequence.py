@@ -68,7 +68,7 @@ class Simulation(AbstractContextManager["Simulation"]):
         self.rig = rig_of(performance)
         self.calibration = miscalibrated(self.rig, performance.scene.calibration_error)
         self._world = build(performance.scene)
-        self._renderer = StereoRenderer(self._world)
+        self._renderer = StereoRenderer(self._world, performance.script.pose(0.0))
 
     @property
     def fps(self) -> float:

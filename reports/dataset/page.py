@@ -9,7 +9,7 @@ from reports.dataset.histograms import histogram_svg, histogram_text
 from reports.dataset.sequence_data import sequence_data
 from reports.dataset.sequence_view import LAYERS, SequenceView
 from reports.page.packing import data_address, json_text
-from reports.page.templating import asset, rendered, script
+from reports.page.templating import rendered, script, shared_scripts, styles
 from reports.words import LABELS
 from sim.dataset.reader import Dataset
 from sim.dataset.statistics import Statistics
@@ -41,6 +41,6 @@ def dataset_page(
         ],
         targets=[(target, LABELS[target]) for target in TARGETS],
         licence=dataset.manifest.get("licence", ""),
-        css=asset("page.css", "player.css", "dataset.css"),
-        script=script("unpack.js", "shared.js", "dataset.js"),
+        css=styles("player.css", "dataset.css"),
+        scripts=[*shared_scripts(), script("unpack.js", "shared.js", "dataset.js")],
     )

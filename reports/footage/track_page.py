@@ -17,7 +17,7 @@ from reports.footage.plots import paths_figure, time_figure
 from reports.footage.track_record import TrackRecord
 from reports.page.enlarged_pictures import EnlargedPicture
 from reports.page.packing import data_address, gzip_text, json_text
-from reports.page.templating import asset, rendered, script
+from reports.page.templating import rendered, script, shared_scripts, styles
 from reports.summary.text import count
 
 FILM_BYTES = 6_000_000  # a longer film is linked, not put inside
@@ -53,8 +53,8 @@ def track_page(record: TrackRecord, info: TrackInfo) -> str:
     film_type = "video/mp4" if film is not None and film.suffix == ".mp4" else "video/webm"
     return rendered(
         "track.html.j2",
-        css=asset("page.css", "track.css"),
-        script=script("unpack.js", "plots.js") + script("lightbox.js"),
+        css=styles("track.css"),
+        scripts=[*shared_scripts(), script("unpack.js", "plots.js"), script("lightbox.js")],
         plots=json_text(plots),
         plotly=_plotly(),
         record=record,

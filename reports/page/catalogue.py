@@ -8,7 +8,7 @@ from typing import Any
 
 from pjpdaf.arrays import Image
 from reports.page.packing import data_address
-from reports.page.templating import asset, rendered
+from reports.page.templating import rendered, shared_scripts, styles
 from reports.pictures.encode import jpeg_of
 
 PAGE_QUALITY = 82
@@ -67,7 +67,7 @@ class Catalogue:
 
 
 def catalogue_page(catalogue: Catalogue, mark: str) -> str:
-    """The catalogue as one HTML page that opens from disk, without network and script.
+    """The catalogue as one HTML page that opens from disk, without network.
 
     mark: the command that made it, for the page's `generator`.
     """
@@ -76,7 +76,8 @@ def catalogue_page(catalogue: Catalogue, mark: str) -> str:
         "catalogue.html.j2",
         **_values(catalogue, mark),
         pictures={name: data_address("image/jpeg", jpeg) for name, jpeg in jpegs.items()},
-        css=asset("page.css", "catalogue.css"),
+        css=styles("catalogue.css"),
+        scripts=shared_scripts(),
     )
 
 

@@ -9,13 +9,14 @@ from pathlib import Path
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from reports.page.episode_tables import EpisodeTables, Key, episode_tables
+from reports.page.headline import headline
 from reports.page.run_entries import RunEntry, opening_entry, run_entries, worst_entries
 from reports.page.run_report import run_report
 from reports.page.scenario_sections import scenario_sections
-from reports.page.templating import asset, rendered, script, write_text
+from reports.page.summary_tables import group_table, scenario_table, target_table
+from reports.page.templating import rendered, script, shared_scripts, styles, write_text
 from reports.page.thesis_figures import ThesisFigure, thesis_figures
 from reports.run.load import SavedRun
-from reports.summary.tables import verdict
 from reports.summary.text import count
 
 # Parts of the player, each using those before it.
@@ -48,18 +49,28 @@ def build_page(runs: Sequence[SavedRun], title: str = "") -> str:
     names = list(dict.fromkeys(name for report in reports for name in report.summary.scenarios))
     entries = run_entries(runs, played, names)
     by_key = {entry.key: entry for entry in entries}
+    sections = scenario_sections(reports, entries, names)
     title = title or f"Tracking report: {', '.join(run.name for run in runs)}"
     return rendered(
         "page.html.j2",
-        css=asset("page.css", "player.css", "stage.css"),
-        scripts=[script("report.js"), script(*PLAYER), script("lightbox.js")],
+        css=styles("player.css", "stage.css"),
+        scripts=[*shared_scripts(), script(*PLAYER), script("lightbox.js")],
         title=title,
         reports=reports,
-        groups=list(dict.fromkeys(row.name for report in reports for row in report.groups)),
-        verdicts=[(report.run.name, verdict(report.summary)) for report in reports],
+        headlines=[
+            headline(report, [e for e in entries if e.key.startswith(f"{r}-")])
+            for r, report in enumerate(reports)
+        ],
+        groups=group_table(reports),
+        scenarios=scenario_table(reports, {section.name: section.anchor for section in sections}),
+        totals=[
+            target_table(f"total-{r}", f"{report.run.name} by target", [("", report.summary.total)])
+            for r, report in enumerate(reports)
+        ],
         worst=worst_entries(entries),
+        wrong=sum(entry.went_wrong for entry in entries),
         opening=opening_entry(entries),
-        sections=scenario_sections(reports, entries, names),
+        sections=sections,
         entries=entries,
         films_left_out=_films_left_out(runs, entries),
         figures=_figures(played, names, by_key),

@@ -9,8 +9,10 @@ from typing import Any
 from markupsafe import Markup
 
 from reports.page.charts.speed_chart import speed_chart
+from reports.page.figure_table import FigureTable
 from reports.page.run_entries import RunEntry
 from reports.page.run_report import RunReport
+from reports.page.summary_tables import target_table
 from reports.summary.causes import stage_text
 from reports.summary.tables import StageTimes, Summary, SummaryRow
 from reports.words import event_text
@@ -38,12 +40,14 @@ class EventLine:
 class ScenarioSection:
     """A scenario on the page.
 
-    blocks: (run, rows, times); speeds: (run, "" where there is one, speed curve).
+    blocks: (run, rows, times); table: the rows by target; speeds: (run, "" where there is one,
+    speed curve).
     """
 
     anchor: str
     name: str
     blocks: tuple[tuple[Summary, tuple[SummaryRow, ...], StageTimes], ...]
+    table: FigureTable
     entries: tuple[RunEntry, ...]
     speeds: tuple[tuple[str, Markup], ...]
     events: tuple[EventLine, ...]
@@ -76,6 +80,11 @@ def scenario_sections(
                 anchor=f"scenario-{n}",
                 name=name,
                 blocks=tuple(blocks),
+                table=target_table(
+                    f"scenario-{n}-targets",
+                    f"{name} by target",
+                    [(s.name if len(reports) > 1 else "", rows) for s, rows, _ in blocks],
+                ),
                 entries=tuple(e for e in entries if e.scenario == name),
                 speeds=tuple(speeds),
                 events=tuple(events[:MAX_EVENTS]),

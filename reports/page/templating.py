@@ -30,6 +30,11 @@ def asset(*names: str) -> Markup:
     return Markup("\n".join((folder / name).read_text(encoding="utf-8") for name in names))
 
 
+def styles(*own: str) -> Markup:
+    """The style of a page: the look of all pages, then its own files, then that of paper."""
+    return asset("page.css", "tables.css", "sections.css", "charts.css", *own, "print.css")
+
+
 def script(*names: str) -> Markup:
     """JavaScript files in one scope of their own, in this order.
 
@@ -37,6 +42,11 @@ def script(*names: str) -> Markup:
     one declares the next ones use.
     """
     return Markup('"use strict";\n(() => {\n') + asset(*names) + Markup("\n})();\n")
+
+
+def shared_scripts() -> list[Markup]:
+    """The scripts of all pages: sorting and columns of tables, folds and contents, search."""
+    return [script("tables.js"), script("folds.js"), script("search.js")]
 
 
 def write_text(path: Path, text: str) -> Path:

@@ -11,7 +11,7 @@ from pjpdaf.targets import TARGETS
 from reports.page.episode_tables import episode_tables
 from reports.page.page import PLAYER
 from reports.page.run_entries import RunEntry, opening_entry, run_entries
-from reports.page.templating import asset, rendered, script, write_text
+from reports.page.templating import rendered, script, shared_scripts, styles, write_text
 from reports.run.load import SavedRun, read_film
 from reports.stress.load import StressFolder, load_stress
 from reports.stress.records import CellRecord, FailureRecord
@@ -56,10 +56,11 @@ def build_stress_page(folders: Sequence[StressFolder]) -> str:
     systems = list(dict.fromkeys(_systems(folders)))
     return rendered(
         "stress.html.j2",
-        css=asset("page.css", "player.css", "stage.css", "stress.css"),
-        scripts=[script("report.js"), script(*PLAYER)],
+        css=styles("player.css", "stage.css", "stress.css"),
+        scripts=[*shared_scripts(), script(*PLAYER)],
         title=f"Stress test: {', '.join(systems)}",
         systems=systems,
+        outcome="bad" if cards else "good" if searches else "",
         verdicts=[*_verdicts(searches, cards, estimates), *_mapped(folders)][:MOST_VERDICTS],
         tiles=_tiles(folders, searches, cards, estimates),
         searches=searches,

@@ -13,7 +13,7 @@ from pjpdaf.targets import HEAD, TARGETS
 from reports.run.load import SavedRun
 from reports.score.records import STAGES
 from reports.score.score import quantile
-from reports.summary.text import count, number, percent
+from reports.summary.text import number
 from reports.words import ALL
 
 
@@ -112,24 +112,6 @@ def summarise(run: SavedRun) -> Summary:
             )
         ),
     )
-
-
-def verdict(summary: Summary) -> str:
-    """The outcome of a run in one line."""
-    overall = summary.overall
-    if overall.frames == 0:
-        return f"{overall.episodes} episodes, none with a result."
-    many = len(summary.scenarios)
-    parts = [
-        f"{count(overall.episodes, 'episode')} of {count(many, 'scenario')}: "
-        f"{percent(overall.within_100)} of target-frames within 100 mm, "
-        f"median error {number(overall.median_mm)} mm",
-        f"hands swapped in {overall.swapped or 0} of {overall.episodes}",
-        f"a target lost in {overall.lost} of {overall.episodes}",
-    ]
-    if overall.failed:
-        parts.append(f"{overall.failed} without a result")
-    return "; ".join(parts) + "."
 
 
 def time_text(times: StageTimes) -> str:

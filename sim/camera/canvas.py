@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats, Image
 from pjpdaf.camera import Camera
+from sim.camera.shader import kinds_of, mark_textured, shader_of
+from sim.camera.shadow_map import ShadowMap, update_scene
 from sim.gl import context, load_mujoco
 from sim.scene.world import World
 
@@ -29,6 +31,8 @@ class Canvas:
         context()
         self._model, self._data = world.model, world.data
         self._thread = threading.get_ident()
+        self._shown: tuple[int, ...] = ()
+        self._geoms_of: dict[tuple[int, ...], NDArray[np.int32]] = {}
         self._scene = mujoco.MjvScene(self._model, maxgeom=self._model.ngeom + 50)
         font = mujoco.mjtFontScale.mjFONTSCALE_100
         self._context: Any = mujoco.MjrContext(self._model, font)
@@ -38,12 +42,14 @@ class Canvas:
         for flag in ("TEXTURE", "STATIC"):
             self._option.flags[getattr(mujoco.mjtVisFlag, f"mjVIS_{flag}")] = 1
         flags = mujoco.mjtRndFlag
-        self._colour_flags = (flags.mjRND_SHADOW, flags.mjRND_CULL_FACE)
+        self._colour_flags = (flags.mjRND_CULL_FACE,)  # shadows are the shader's
         self._id_flags = (flags.mjRND_SEGMENT, flags.mjRND_IDCOLOR, flags.mjRND_CULL_FACE)
         visual, extent = self._model.vis, self._model.stat.extent
         self.near_m = float(np.float32(visual.map.znear * extent))
         self.far_m = float(np.float32(visual.map.zfar * extent))
         self.groups = range(len(self._option.geomgroup))
+        mark_textured(self._model)
+        self._shadows = ShadowMap(world, self._context, self.near_m, self.far_m)
 
     def begin(self) -> None:
         """Make this frame buffer current. Raises ValueError where it is closed or another thread's.
@@ -66,15 +72,12 @@ class Canvas:
 
     def show(self, camera: str, groups: Collection[int]) -> None:
         """Draw next these geom groups, in the current pose, through a fixed camera of the model."""
+        self._shown = tuple(groups)
         self._option.geomgroup[:] = [int(group in groups) for group in self.groups]
         fixed = self._mujoco.MjvCamera()
         fixed.type = self._mujoco.mjtCamera.mjCAMERA_FIXED
         fixed.fixedcamid = self._model.camera(camera).id
-        category = self._mujoco.mjtCatBit.mjCAT_ALL
-        self._mujoco.mjv_updateScene(
-            self._model, self._data, self._option, None, fixed, category, self._scene
-        )
-        assert self._scene.status == 0, "geoms were dropped: MjvScene is too small"
+        update_scene(self._model, self._data, self._option, fixed, self._scene)
 
     def aim(self, camera: Camera) -> None:
         """Draw next through any pinhole, in place of the fixed camera of the last `show`.
@@ -99,9 +102,19 @@ class Canvas:
             drawn.frustum_bottom = near * (cy + 0.5 - height) / fy
 
     def colour(self, size: Size) -> Image:
-        """RGB (h, w, 3) with shadows and antialiasing."""
-        rgb, _ = self._draw(size, self._colour_flags, with_depth=False)
+        """RGB (h, w, 3) with shadows."""
+        rgb, _ = self._colour(size, with_depth=False)
         return rgb
+
+    def colour_and_depth(self, size: Size) -> tuple[Image, NDArray[np.float32]]:
+        """RGB (h, w, 3) and reversed depth (h, w), from one pass."""
+        rgb, depth = self._colour(size, with_depth=True)
+        assert depth is not None
+        return rgb, depth
+
+    def world_to_map(self) -> Floats | None:
+        """From the world to the shadow map (4, 4) of what is shown; None where nothing casts."""
+        return self._shadows.draw(self._option, self._shown)
 
     def ids(
         self, size: Size, with_depth: bool
@@ -112,12 +125,7 @@ class Canvas:
         if self._scene.ngeom > 254:
             scene_id |= rgb[..., 1].astype(np.int32) << 8
             scene_id |= rgb[..., 2].astype(np.int32) << 16
-        geom_type = int(self._mujoco.mjtObj.mjOBJ_GEOM)
-        geom_of = np.full(self._scene.ngeom + 1, -1, np.int32)
-        for geom in self._scene.geoms[: self._scene.ngeom]:
-            if geom.segid >= 0 and geom.objtype == geom_type:
-                geom_of[geom.segid + 1] = geom.objid
-        return np.take(geom_of, scene_id), depth
+        return np.take(self._geom_of(), scene_id), depth
 
     def metres(self, depth: NDArray[np.float32] | Floats) -> NDArray[np.float32]:
         """Reversed depth (1 at znear, 0 at zfar) to planar z, in double precision between."""
@@ -126,6 +134,38 @@ class Canvas:
             near * far / (near + depth.astype(np.float64) * (far - near))
         ).astype(np.float32)
         return metres
+
+    def _colour(self, size: Size, with_depth: bool) -> tuple[Image, NDArray[np.float32] | None]:
+        world_to_map = self.world_to_map()
+        eye_to_map = np.eye(4) if world_to_map is None else world_to_map @ self._eye_to_world()
+        shader = shader_of(kinds_of(self._scene.lights[: self._scene.nlight]))
+        shader.use(eye_to_map, self._shadows.texture)
+        try:
+            return self._draw(size, self._colour_flags, with_depth)
+        finally:
+            shader.leave()
+
+    def _geom_of(self) -> NDArray[np.int32]:
+        """Geom of each drawn id, first of nothing; the same whenever these groups are shown."""
+        if self._shown not in self._geoms_of:
+            geom_type = int(self._mujoco.mjtObj.mjOBJ_GEOM)
+            geom_of = np.full(self._scene.ngeom + 1, -1, np.int32)
+            for geom in self._scene.geoms[: self._scene.ngeom]:
+                if geom.segid >= 0 and geom.objtype == geom_type:
+                    geom_of[geom.segid + 1] = geom.objid
+            self._geoms_of[self._shown] = geom_of
+        return self._geoms_of[self._shown]
+
+    def _eye_to_world(self) -> Floats:
+        """From OpenGL's axes (4, 4) of the camera through which is drawn: x right, y up, z back."""
+        left, right = self._scene.camera  # of two eyes, between which MuJoCo draws
+        forward = np.asarray(left.forward, dtype=np.float64)
+        across = np.cross(forward, left.up)
+        axes = [v / np.linalg.norm(v) for v in (across, np.cross(across, forward), -forward)]
+        matrix = np.eye(4)
+        matrix[:3, :3] = np.column_stack(axes)
+        matrix[:3, 3] = np.mean([left.pos, right.pos], axis=0, dtype=np.float64)
+        return matrix
 
     def _draw(
         self, size: Size, flags: Collection[Any], with_depth: bool

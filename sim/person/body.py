@@ -14,7 +14,7 @@ import numpy as np
 from pjpdaf.targets import HEAD
 from sim.anatomy import Anatomy
 from sim.person import head as head_shapes
-from sim.person.geoms import CLOTHES, HAND_TARGETS, SKIN, TARGET_GROUPS
+from sim.person.geoms import HAND_TARGETS, LEGS, SKIN, TARGET_GROUPS
 from sim.person.hand import Finger, fingers, mirrored, palm_surface
 from sim.person.sleeves import SLEEVES, add_arm
 from sim.person.torso import add_torso
@@ -81,7 +81,7 @@ def _legs(assets: Assets, anatomy: Anatomy) -> None:
                 ends,
                 0.07 if part == "thigh" else 0.048,
                 "trousers",
-                CLOTHES,
+                LEGS,
             )
 
 

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pjpdaf.arrays import Floats
 from pjpdaf.camera import StereoRig
 from pjpdaf.targets import TARGETS
 from sim.gl import load_mujoco
 from sim.lens import SCALE, Lens, lens_of
 from sim.person.body import add_person
-from sim.person.geoms import HAND_TARGETS, SKIN, TARGET_GROUPS
+from sim.person.geoms import CLOTHES, HAND_TARGETS, LEGS, SKIN, TARGET_GROUPS
 from sim.person.hand import fingers, joint_angles
 from sim.pose import SIDES, Pose, Transform
 from sim.scene.rig import mujoco_camera, stereo_rig
@@ -76,6 +78,28 @@ class World:
                     self.data.qpos[self.joints[f"{finger.name}{i}:{side}"]] = angle
         self.settle()
 
+    @contextmanager
+    def borrowed(self) -> Iterator[None]:
+        """Let a block pose the world; afterwards all is back where it was."""
+        before = self.joints_and_places()
+        try:
+            yield
+        finally:
+            self.restore(before)
+
+    def joints_and_places(self) -> tuple[Floats, ...]:
+        """All that `place` sets, copied."""
+        return tuple(part.copy() for part in self._parts())
+
+    def restore(self, before: tuple[Floats, ...]) -> None:
+        """Set what `joints_and_places` gave."""
+        for part, values in zip(self._parts(), before, strict=True):
+            part[:] = values
+        self.settle()
+
+    def _parts(self) -> tuple[Floats, ...]:
+        return self.data.mocap_pos, self.data.mocap_quat, self.data.qpos
+
     def settle(self) -> None:
         """Bring geoms, cameras and lights to the current pose; no physics."""
         mujoco = load_mujoco()
@@ -136,7 +160,7 @@ def compiled(spec: Any, rig: StereoRig, scene: SceneSpec | None = None) -> World
         rig=rig,
         lenses=lenses,
         targets=targets,
-        person_groups=(1, *TARGET_GROUPS.values()),
+        person_groups=(CLOTHES, LEGS, *TARGET_GROUPS.values()),
         amodal_groups=tuple(TARGET_GROUPS[t] for t in range(len(TARGETS))),
         joints=joints,
         bodies=bodies,

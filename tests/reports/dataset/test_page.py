@@ -59,7 +59,7 @@ def test_the_first_sequences_that_fit_are_taken(dataset, shown):
 def test_it_is_escaped_and_asks_for_nothing(page, shown):
     assert "<b>x" not in page
     assert "&lt;b&gt;x{{ 7*7 }}" in page
-    scripts = 1 + sum(1 + len(clip.layers) for clip in shown)
+    scripts = 5 + sum(1 + len(clip.layers) for clip in shown)
     assert page.count("<script") == page.count("</script>") == scripts
     outside = re.sub(r"<script type=[^>]*>[^<]*<", "", page)
     for attribute in re.findall(r'(?:src|href)="([^"]*)"', outside):

@@ -56,7 +56,7 @@ def page(catalogue):
 
 
 def test_the_page_says_everything_of_a_scenario(page):
-    assert page.count('class="card"') == 6
+    assert page.count('class="entry"') == 6
     assert page.count("data:image/jpeg;base64,") == 6
     for words in (
         "6 scenarios in 3 groups, 2 suites",
@@ -78,8 +78,8 @@ def test_every_picture_has_words_in_its_stead(page):
     assert all(re.search(r'alt="Left and right view of \w+, frame 12', image) for image in images)
 
 
-def test_it_is_escaped_and_needs_no_network_and_no_script(page):
-    assert "<script" not in page
+def test_it_is_escaped_and_needs_no_network(page):
+    assert "<script>alert" not in page
     assert "&lt;script&gt;alert" in page
     assert "{{ 7*7 }}" in page  # never evaluated
     for attribute in re.findall(r'(?:src|href)="([^"]*)"', page):
@@ -126,22 +126,22 @@ def test_a_browser_shows_it_without_network(page, opened, tmp_path, scheme):
         light = sum(map(int, re.findall(r"\d+", paper)[:3])) > 380
         assert light == (scheme == "light")
         # One column on a phone, several on a desk; nothing wider than the screen on either.
-        tops = view.locator(".card").evaluate_all("c => c.map(x => Math.round(x.offsetTop))")
+        tops = view.locator(".entry").evaluate_all("c => c.map(x => Math.round(x.offsetTop))")
         assert (len(set(tops[:4])) == 4) == phone
         width = view.evaluate("document.documentElement.scrollWidth")
         assert width <= view.evaluate("innerWidth")
         # By keyboard: skip link first, then the groups, then a suite's scenario.
         view.keyboard.press("Tab")
-        assert view.evaluate("document.activeElement.textContent") == "Skip to the scenarios"
+        assert view.evaluate("document.activeElement.textContent") == "Skip to the content"
         view.keyboard.press("Tab")
         assert view.evaluate("document.activeElement.textContent") == "Baseline"
-        view.locator('a[href="#scenario-drink"]').focus()
+        view.locator("#search").fill("hand head")
         view.keyboard.press("Enter")
         until(view, "() => location.hash === '#scenario-drink'")
         assert view.locator("#scenario-drink").is_visible()
         # On paper: no card is cut in two, all of them are there.
         view.emulate_media(media="print")
-        assert view.locator(".card").first.evaluate("c => getComputedStyle(c).breakInside") == (
+        assert view.locator(".entry").first.evaluate("c => getComputedStyle(c).breakInside") == (
             "avoid"
         )
         assert not view.locator("nav").is_visible()

@@ -28,7 +28,7 @@ def test_it_is_self_contained_and_escapes_names(page) -> None:
 
 def test_failures_are_confirmed_first_and_the_worst_first(page) -> None:
     text = page.read_text(encoding="utf-8")
-    titles = re.findall(r'<article class="failure">.*?</article>', text, re.S)
+    titles = re.findall(r'<article class="failure" .*?</article>', text, re.S)
     marks = [re.findall(r'class="mark (\w+)"', title) for title in titles]
     assert marks == [["yes"], ["yes"], [], ["no"]]
     assert "40 % of the frames wrong" in titles[0]

@@ -8,7 +8,7 @@ import pytest
 from reports.run.load import load
 from reports.run.save import RunInfo, save
 from reports.score.records import EpisodeFailure
-from reports.summary.tables import summarise, verdict
+from reports.summary.tables import summarise
 from reports.summary.text import number, percent
 
 
@@ -63,17 +63,9 @@ def test_times(summary):
     assert summary.total_times.track_ms == pytest.approx(4)
 
 
-def test_verdict_in_one_line(summary):
-    assert verdict(summary) == (
-        "4 episodes of 2 scenarios: 69.4 % of target-frames within 100 mm, median error 20.0 mm; "
-        "hands swapped in 1 of 4; a target lost in 1 of 4; 1 without a result."
-    )
-
-
 def test_a_run_without_episodes_has_a_summary(tmp_path):
     summary = summarise(load(save(tmp_path / "run", [], RunInfo("none"))))
     assert summary.overall.frames == 0
-    assert verdict(summary) == "0 episodes, none with a result."
 
 
 def test_numbers():

@@ -1,0 +1,190 @@
+"""The shader that lights and textures a scene in one pass.
+
+MuJoCo draws a scene with a shadow twice a view, and its shadow map once a view: OpenGL's fixed
+functions light a vertex with all lights or with none. With this program in their place it draws a
+view once, with the same lights, materials and textures, and any shadow map serves both views.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pjpdaf.arrays import Floats
+from pjpdaf.errors import InfrastructureError
+from sim.gl import REMEDY, functions, load_mujoco
+
+TEXTURED = 0.999  # alpha of a textured geom; MuJoCo takes all above 0.995 as opaque
+_PICTURE_UNIT, _SHADOW_UNIT = 0, 1
+
+# As the fixed functions: per vertex, infinite lights, a local viewer; each sum is clamped to 1.
+_VERTEX = """#version 120
+uniform mat4 eye_to_map;
+varying vec3 steady, shadowed, at;
+varying vec2 uv;
+varying float textured;
+void main() {
+  vec4 eye = gl_ModelViewMatrix * gl_Vertex;
+  vec3 normal = normalize(gl_NormalMatrix * gl_Normal);
+  vec3 to_eye = normalize(-eye.xyz);
+  float facing;
+  vec3 halfway;
+  steady = gl_FrontMaterial.emission.rgb;
+  shadowed = vec3(0.0);
+LIGHTS
+  steady = min(steady, 1.0);
+  shadowed = min(shadowed, 1.0);
+  at = (eye_to_map * eye).xyz;
+  uv = (gl_TextureMatrix[0] * gl_MultiTexCoord0).xy;
+  textured = gl_Color.a < OPAQUE ? 1.0 : 0.0;
+  gl_Position = gl_ModelViewProjectionMatrix * gl_Vertex;
+}
+"""
+_AMBIENT = "  SUM += gl_Color.rgb * LIGHT.ambient.rgb;\n"
+_FACING = "  facing = max(dot(normal, normalize(LIGHT.position.xyz)), 0.0);\n"
+_DIFFUSE = "  SUM += facing * gl_Color.rgb * LIGHT.diffuse.rgb;\n"
+_SPECULAR = """  halfway = normalize(normalize(LIGHT.position.xyz) + to_eye);
+  if (facing > 0.0) SUM += gl_FrontMaterial.specular.rgb * LIGHT.specular.rgb
+    * pow(max(dot(normal, halfway), 0.0), gl_FrontMaterial.shininess);
+"""
+_FRAGMENT = """#version 120
+uniform sampler2D picture;
+uniform sampler2DShadow map;
+varying vec3 steady, shadowed, at;
+varying vec2 uv;
+varying float textured;
+void main() {
+  vec3 colour = steady + LIT * shadowed;
+  vec3 texel = texture2D(picture, uv).rgb;
+  gl_FragColor = vec4(textured > 0.5 ? colour * texel : colour, 1.0);
+}
+"""
+
+_local = threading.local()
+
+
+@dataclass(frozen=True)
+class LightKind:
+    """The parts of a light that are not black, and whether it casts the shadow."""
+
+    ambient: bool
+    diffuse: bool
+    specular: bool
+    shadow: bool
+
+    def statements(self, number: int) -> str:
+        """The statements of the vertex shader that add this light."""
+        text = _AMBIENT * self.ambient
+        if self.diffuse or self.specular:
+            text += _FACING + _DIFFUSE * self.diffuse + _SPECULAR * self.specular
+        total = "shadowed" if self.shadow else "steady"
+        return text.replace("SUM", total).replace("LIGHT", f"gl_LightSource[{number}]")
+
+
+def kinds_of(lights: Sequence[Any]) -> tuple[LightKind, ...]:
+    """The kinds of a scene's lights (MjvLight), in order.
+
+    Raises ValueError where one is not directional, or more than one casts shadows.
+    """
+    directional = int(load_mujoco().mjtLightType.mjLIGHT_DIRECTIONAL)
+    if any(light.type != directional for light in lights):
+        raise ValueError("a scene's lights must be directional")
+    kinds = tuple(
+        LightKind(
+            ambient=bool(np.any(light.ambient)),
+            diffuse=bool(np.any(light.diffuse)),
+            specular=bool(np.any(light.specular)),
+            shadow=bool(light.castshadow),
+        )
+        for light in lights
+    )
+    if sum(kind.shadow for kind in kinds) > 1:
+        raise ValueError("only one light of a scene may cast shadows")
+    return kinds
+
+
+def mark_textured(model: Any) -> None:
+    """Give textured geoms of a model the alpha by which the shader knows them; safe to repeat."""
+    textured = np.any(model.mat_texid >= 0, axis=1)
+    model.mat_rgba[textured, 3] = TEXTURED
+    by_geom = np.append(textured, False)[model.geom_matid]  # the last is for -1, no material
+    # A geom's own colour, where it has one, is drawn in place of its material's.
+    own = np.any(model.geom_rgba != np.array([0.5, 0.5, 0.5, 1.0], np.float32), axis=1)
+    model.geom_rgba[by_geom & own, 3] = TEXTURED
+
+
+class Shader:
+    """The program for scenes with these lights; belongs to this thread's OpenGL context."""
+
+    def __init__(self, kinds: tuple[LightKind, ...]) -> None:
+        gl = self._gl = functions()
+        lights = "".join(kind.statements(number) for number, kind in enumerate(kinds))
+        casts = any(kind.shadow for kind in kinds)
+        vertex = _VERTEX.replace("LIGHTS", lights).replace("OPAQUE", f"{(1 + TEXTURED) / 2:.6f}")
+        fragment = _FRAGMENT.replace("LIT", "shadow2D(map, at).r" if casts else "1.0")
+        self._program = gl.glCreateProgram()
+        for kind, source in ((gl.GL_VERTEX_SHADER, vertex), (gl.GL_FRAGMENT_SHADER, fragment)):
+            gl.glAttachShader(self._program, _compiled(kind, source))
+        gl.glLinkProgram(self._program)
+        _check(gl.glGetProgramiv, gl.glGetProgramInfoLog, self._program, gl.GL_LINK_STATUS)
+        gl.glUseProgram(self._program)
+        for name, unit in ((b"picture", _PICTURE_UNIT), (b"map", _SHADOW_UNIT)):
+            gl.glUniform1i(gl.glGetUniformLocation(self._program, name), unit)
+        self._eye_to_map = gl.glGetUniformLocation(self._program, b"eye_to_map")
+        gl.glUseProgram(0)
+
+    def use(self, eye_to_map: Floats, shadow_texture: int) -> None:
+        """Colour what is drawn next. eye_to_map (4, 4): to the coordinates of the shadow map."""
+        gl = self._gl
+        gl.glUseProgram(self._program)
+        values = np.ascontiguousarray(eye_to_map.T, dtype=np.float32)  # OpenGL's order: columns
+        pointer = values.ctypes.data_as(ctypes.POINTER(ctypes.c_float))
+        gl.glUniformMatrix4fv(self._eye_to_map, 1, 0, pointer)
+        gl.glActiveTexture(gl.GL_TEXTURE0 + _SHADOW_UNIT)
+        gl.glBindTexture(gl.GL_TEXTURE_2D, shadow_texture)
+        gl.glActiveTexture(gl.GL_TEXTURE0 + _PICTURE_UNIT)
+
+    def leave(self) -> None:
+        """Hand drawing back to the fixed functions."""
+        self._gl.glUseProgram(0)
+
+
+def shader_of(kinds: tuple[LightKind, ...]) -> Shader:
+    """The program for these lights, compiled once a thread.
+
+    Raises InfrastructureError where the driver cannot compile it.
+    """
+    known = _local.__dict__.setdefault("shaders", {})
+    if kinds not in known:
+        known[kinds] = Shader(kinds)
+    shader: Shader = known[kinds]
+    return shader
+
+
+def _compiled(kind: int, source: str) -> Any:
+    gl = functions()
+    shader = gl.glCreateShader(kind)
+    text = ctypes.cast(
+        ctypes.pointer(ctypes.c_char_p(source.encode())),
+        ctypes.POINTER(ctypes.POINTER(ctypes.c_char)),
+    )
+    gl.glShaderSource(shader, 1, text, None)
+    gl.glCompileShader(shader)
+    _check(gl.glGetShaderiv, gl.glGetShaderInfoLog, shader, gl.GL_COMPILE_STATUS)
+    return shader
+
+
+def _check(status_of: Any, log_of: Any, thing: Any, question: Any) -> None:
+    """Raise InfrastructureError where a shader or program was refused by the driver."""
+    status = ctypes.c_int(0)
+    status_of(thing, question, ctypes.byref(status))
+    if not status.value:
+        log = ctypes.create_string_buffer(500)
+        log_of(thing, len(log), None, log)
+        cause = log.value.decode(errors="replace").strip().partition("\n")[0]
+        raise InfrastructureError(f"the OpenGL driver refuses our shader ({cause})", REMEDY)
