@@ -69,17 +69,17 @@ class DaskProcesses:
             process.wait()
 
     def _start(self, kind, *words, **environment):
-        log = (self.folder / f"{kind}.log").open("ab")
         dashboard = ("--dashboard-address", "127.0.0.1:0") if kind == "scheduler" else ()
         command = [sys.executable, "-m", "dask", kind, *dashboard, *words]
-        return subprocess.Popen(
-            command,
-            env={**self.environment, **environment},
-            cwd=self.folder,
-            stdout=log,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
+        with (self.folder / f"{kind}.log").open("ab") as log:
+            return subprocess.Popen(
+                command,
+                env={**self.environment, **environment},
+                cwd=self.folder,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
 
     def _address(self):
         due = time.monotonic() + START_LIMIT_S
