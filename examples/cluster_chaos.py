@@ -38,14 +38,12 @@ class Killer(threading.Thread):
 
     def run(self) -> None:
         while not self.over.wait(self._rng.expovariate(1 / self._every_s)):
+            self._replace_ended()
             kind = self._rng.choice(["worker", "isolated process", "nanny and worker"])
             if kind == "nanny and worker":
                 nanny = self._rng.choice(self._processes.nannies)
                 workers = self._processes.workers_of(nanny)
                 nanny.kill()
-                nanny.wait()
-                self._processes.nannies.remove(nanny)
-                self._processes.add_workers(1)
                 self._kill(workers)
             else:
                 victims = (
@@ -55,6 +53,12 @@ class Killer(threading.Thread):
                     continue
                 self._kill([self._rng.choice(victims)])
             self.kills[kind] += 1
+
+    def _replace_ended(self) -> None:
+        """Start nannies in place of those that were killed, or gave up on a slow machine."""
+        for nanny in [one for one in self._processes.nannies if one.poll() is not None]:
+            self._processes.nannies.remove(nanny)
+            self._processes.add_workers(1)
 
     @staticmethod
     def _kill(pids: list[int]) -> None:
