@@ -24,6 +24,7 @@ from typing import Any, Generic, TypeVar
 from pjpdaf import entry
 from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.unforeseen import describe
+from sim import steps
 
 ATTEMPTS = 3  # at a task whose worker is killed
 POLL_S = 0.5
@@ -40,7 +41,8 @@ WORKER_ENVIRONMENT = {
 }
 # Ctrl-C and a closed terminal reach the whole process group: only the parent decides about them.
 TERMINAL_SIGNALS = (signal.SIGINT, signal.SIGHUP)
-_BEGUN, _RETURNED, _RAISED = "begun", "returned", "raised"  # messages of a worker
+STEPS_S = 0.2  # between two messages about the steps of a task
+_BEGUN, _STEPS, _RETURNED, _RAISED = "begun", "steps", "returned", "raised"  # of a worker
 T = TypeVar("T")
 R = TypeVar("R")
 
@@ -145,6 +147,10 @@ class WorkerPool:
         """The description of the one renderer here. Raises as `renderer`."""
         return frozenset({self.renderer()})
 
+    def running_steps(self) -> int:
+        """The steps that the tasks in progress have counted (`sim.steps`), as of the last poll."""
+        return sum(w.steps for w in tuple(self._workers) if w.task_index is not None)
+
     def close(self) -> None:
         """End all workers now, also those that are still starting or have a task."""
         workers, self._workers = self._workers, []
@@ -181,7 +187,10 @@ class WorkerPool:
 
 
 class _Worker:
-    """A process and the parent's end of its pipe. task_index: None without a task."""
+    """A process and the parent's end of its pipe.
+
+    task_index: None without a task; steps: that its task has counted.
+    """
 
     def __init__(self) -> None:
         # Spawn, always: a child forked beside a GL context hangs.
@@ -192,6 +201,7 @@ class _Worker:
             self.process.start()
         theirs.close()  # so that its end is known by the pipe's
         self.task_index: int | None = None
+        self.steps = 0
         self.done = 0
         self._limit_s = 0.0
         self._due = 0.0
@@ -203,7 +213,7 @@ class _Worker:
 
     def assign(self, index: int, function: Callable[[T], R], task: T, limit_s: float) -> None:
         """Send a task. Its time limit starts when the worker has imported what it needs."""
-        self.task_index, self._limit_s = index, limit_s
+        self.task_index, self.steps, self._limit_s = index, 0, limit_s
         self._due = time.monotonic() + START_LIMIT_S + limit_s
         with suppress(BrokenPipeError, ConnectionResetError):  # it ended; `outcome` says so
             self._pipe.send((function, task))
@@ -221,6 +231,9 @@ class _Worker:
                 return self._end_lost(late=False)
             if message == _BEGUN:
                 self._due = time.monotonic() + self._limit_s
+                continue
+            if message == _STEPS:
+                self.steps = value
                 continue
             self.task_index = None
             self.done += 1
@@ -269,13 +282,29 @@ def serve(pipe: Any) -> None:
             return
         pipe.send((_BEGUN, None))
         try:
-            answer = _RETURNED, function(task)
+            with steps.counting(_StepMessages(pipe).count):
+                answer = _RETURNED, function(task)
         except Exception as fault:
             answer = _RAISED, sendable(fault)
         try:
             pipe.send(answer)
         except (AttributeError, TypeError, pickle.PicklingError) as fault:
             pipe.send((_RAISED, RuntimeError(f"its answer cannot be sent: {fault}")))
+
+
+class _StepMessages:
+    """Counts the steps of a task, and sends their number every `STEPS_S`."""
+
+    def __init__(self, pipe: Any) -> None:
+        self._pipe, self._steps, self._due = pipe, 0, 0.0
+
+    def count(self) -> None:
+        self._steps += 1
+        now = time.monotonic()
+        if now >= self._due:
+            self._due = now + STEPS_S
+            with suppress(OSError):  # the parent has ended, and so does this process
+                self._pipe.send((_STEPS, self._steps))
 
 
 def sendable(fault: Exception) -> Exception:

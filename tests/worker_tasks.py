@@ -66,6 +66,18 @@ class SlowToArrive:
         return time.sleep, (1.0,)
 
 
+def counts_steps(wait_for):
+    """Two steps, of which the parent hears while the task goes on, until the file is there."""
+    from sim import processes
+    from sim.steps import step
+
+    processes.STEPS_S = 0.0
+    step()
+    step()
+    while not Path(wait_for).exists():
+        time.sleep(0.02)
+
+
 def mixed(x):
     """One that ends its process, one that hangs, and many that answer."""
     if x == 2:

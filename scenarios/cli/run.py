@@ -170,7 +170,7 @@ def merge(
 
 
 def report(
-    runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Folders of saved runs.")],
+    runs: Annotated[list[Path], typer.Argument(metavar="RUN", help="Folders of saved runs.")],
     out: Annotated[
         Path | None, typer.Option(help="Where the page goes [RUN/report.html, of one run].")
     ] = None,

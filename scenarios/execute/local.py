@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from pjpdaf.errors import BenchError
+from reports.summary.text import count
 from scenarios.execute.executor import Executor
 from sim.processes import WorkerPool
 
@@ -23,7 +24,8 @@ def worker_count(jobs: int | None) -> int:
         return cores
     if not 1 <= jobs <= most:
         raise BenchError(
-            f"--jobs must be between 1 and {most}, got {jobs}; this machine has {cores} cores"
+            f"--jobs must be between 1 and {most}, got {jobs}; this machine has "
+            f"{count(cores, 'core')}"
         )
     return jobs
 

@@ -17,6 +17,7 @@ from reports.summary.text import count
 from scenarios.cache.report import origin_line
 from scenarios.cache.settings import cache_settings
 from scenarios.console.interrupts import Interrupted, Interrupts
+from scenarios.console.tables import print_table
 from scenarios.execute.episodes import PlayResults
 from scenarios.run.corpus_verdict import (
     CaseOutcome,
@@ -66,8 +67,8 @@ def finish_run(
     if arrived.arrived:
         remedy = f"; `{resume_command(run.shown, request)}` goes on" if played.interrupted else ""
         raise Interrupted(
-            f"interrupted: {len(played.rows)} of {len(run.jobs)} episodes are in the saved run"
-            f"{remedy}"
+            f"interrupted: {len(played.rows)} of {count(len(run.jobs), 'episode')} are in the "
+            f"saved run{remedy}"
         )
     refuse_failures(played)
     refuse_regressions(corpus)
@@ -84,7 +85,7 @@ def _print_results(
 ) -> None:
     out = Console()
     table = target_table if request.by_target else scenario_table
-    out.print(table(summarise(saved)))
+    print_table(table(summarise(saved)), out)
     for line in blame_lines(saved.events):
         out.print(f"to blame for {line}", highlight=False)
     if (budget := budget_of(saved)) is not None:
@@ -118,6 +119,6 @@ def refuse_failures(played: PlayResults) -> None:
     if failed:
         first = failed[0]
         raise InfrastructureError(
-            f"{len(failed)} of {len(played.rows)} episodes gave no result, the first: "
+            f"{len(failed)} of {count(len(played.rows), 'episode')} gave no result, the first: "
             f"{first.scenario} seed {first.seed}: {first.failure}"
         )

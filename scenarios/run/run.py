@@ -6,13 +6,12 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from rich.console import Console
-
 from pjpdaf.errors import BenchError
 from reports.run.rows import EpisodeRows
+from reports.summary.text import count
 from scenarios.console.folder import unfinished
 from scenarios.console.interrupts import Interrupts, interrupts
-from scenarios.console.progress import progress_bar
+from scenarios.console.progress import progress
 from scenarios.execute.episodes import PlayResults, play_all
 from scenarios.execute.executor import ClusterFault, Executor
 from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
@@ -94,7 +93,7 @@ def play(request: RunRequest, run: UnfinishedRun, place: Place, arrived: Interru
                 f"`{command}` goes on" if request.shard is None else "the same command goes on"
             )
             raise fault.reworded(
-                f"{fault}; {run.kept} of {len(run.jobs)} episodes are kept"
+                f"{fault}; {run.kept} of {count(len(run.jobs), 'episode')} are kept"
                 + (f"; {goes_on}, here or on a cluster" if run.kept else "")
             ) from fault
     return with_origin(request, played)
@@ -112,14 +111,18 @@ def _play_with_progress(
     run: UnfinishedRun, executor: Executor, time_limit_s: float, arrived: Interrupts
 ) -> PlayResults:
     """Play what is not finished; each episode is kept as it is finished."""
-    with progress_bar(Console(stderr=True)) as progress:
-        finished = len(run.finished)
-        task = progress.add_task("starting", total=len(run.jobs), completed=finished)
+    frames = [job.frames for job in run.jobs]
+    done = set(run.finished)
+    with progress(running=executor.running_steps) as meter:
+
+        def doing() -> str:
+            return f"{len(done)}/{count(len(run.jobs), 'episode')}"
 
         def on_done(index: int, row: EpisodeRows) -> None:
             run.keep(run.jobs[index], row)
-            label = f"{row.scenario} seed {row.seed}"
-            progress.update(task, advance=1, description=label)
+            done.add(index)
+            meter.finish(frames[index], doing())
 
+        meter.begin(doing(), sum(frames), finished=sum(frames[index] for index in done))
         with arrived.raising():
             return play_all(run.jobs, executor, on_done, time_limit_s, run.finished)

@@ -195,7 +195,7 @@ def open_campaign(request: CampaignRequest, total: int | None = None) -> Iterato
         interrupts() as arrived,
         Journal.open(folder, request.code()) as journal,
         executor_at(place, request.plug_ins) as executor,
-        campaign_progress(total) as progress,
+        campaign_progress(executor, total) as progress,
     ):
         if fidelity == "full":
             executor.renderers()  # raises where there is no OpenGL

@@ -13,6 +13,7 @@ from worker_tasks import (
     SlowToArrive,
     answers,
     cannot_be_sent,
+    counts_steps,
     dies,
     dies_once,
     double,
@@ -129,3 +130,14 @@ def test_workers_killed_at_random_moments_lose_no_answer(others):
             over.set()
             thread.join()
     assert found == {n: Answer(bytes([n]) * 3_000_000) for n in range(30)}
+
+
+def test_steps_are_known_while_their_task_goes_on(tmp_path):
+    end, heard = tmp_path / "end", []
+    with WorkerPool(1) as pool:
+        for ended in pool.outcomes(counts_steps, {0: str(end)}, 60.0):
+            heard.append(pool.running_steps())
+            if ended is None and heard[-1] == 2:
+                end.touch()
+    assert 2 in heard
+    assert heard[-1] == 0

@@ -167,6 +167,12 @@ def test_only_and_slim_and_films(made):
     assert all(one.keep_film and one.keep_pictures for one in plan(request(made, keep_films=True)))
 
 
+def test_seeds_choose_among_the_sequences(made):
+    assert [one.seed for one in plan(request(made, first_seed=102))] == [102]
+    assert [one.seed for one in plan(request(made, first_seed=101, seeds=1))] == [101]
+    assert [one.seed for one in plan(request(made, seeds=103))] == [101, 102]
+
+
 def test_another_tracker_gives_another_result_on_the_same_pictures(made, kept):
     changed = plan(request(made, detector="thesis", tracker="thesis", only=("cross",)))
     (row,) = [rows_of(play_complete(one)) for one in changed]
@@ -179,8 +185,8 @@ def test_another_tracker_gives_another_result_on_the_same_pictures(made, kept):
     ("changes", "said"),
     [
         ({"settings": ("noise_sd=4",)}, "--set noise_sd does not go with --from"),
-        ({"seeds": 3}, "--seeds does not go with --from"),
-        ({"first_seed": 3}, "--first-seed does not go with --from"),
+        ({"seeds": 3}, "no sequence has such a seed; it has 101 to 102; see --first-seed"),
+        ({"first_seed": 103}, "no sequence has such a seed; it has 101 to 102"),
         ({"targets": ("smoke",)}, "smoke does not go with --from"),
         ({"only": ("cros",)}, "--only cros: not in it; did you mean cross?"),
         ({"tracker": "nobody"}, "nobody"),

@@ -14,6 +14,7 @@ from pjpdaf.errors import BenchError
 from sim.dataset.check.fault import Fault
 from sim.dataset.files.layout import CHECKSUMS
 from sim.dataset.verify import verify
+from sim.processes import WorkerPool
 
 
 def test_an_undamaged_data_set_has_no_fault(trio, single):
@@ -25,7 +26,8 @@ def test_an_undamaged_data_set_has_no_fault(trio, single):
 
 def test_worker_processes_find_the_same(copies):
     (copies / SEQ / "right" / "000003.png").unlink()
-    assert verify(copies, jobs=2, sums=False) == verify(copies, sums=False)
+    with WorkerPool(2) as pool:
+        assert verify(copies, pool=pool, sums=False) == verify(copies, sums=False)
 
 
 def test_workers_that_are_killed_are_replaced_and_the_verdict_is_complete(copies):
@@ -41,7 +43,8 @@ def test_workers_that_are_killed_are_replaced_and_the_verdict_is_complete(copies
             for worker in killed:
                 worker.kill()
 
-    assert verify(copies, jobs=2, sums=False, on_sequence=kill_all_once) == wanted
+    with WorkerPool(2) as pool:
+        assert verify(copies, pool=pool, sums=False, on_sequence=kill_all_once) == wanted
     assert len(killed) == 2
     assert names == ["seq_000000", "seq_000001", "seq_000002"]
 
