@@ -8,7 +8,7 @@ import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from commands import worker_pids
+from commands import server_pids, worker_pids
 
 ROOT = Path(__file__).parents[1]
 ENVIRONMENT = {
@@ -46,16 +46,17 @@ class DaskProcesses:
 
     def workers_of(self, nanny):
         """Process ids of the Dask workers of a nanny."""
-        return _children(nanny.pid) if nanny.poll() is None else []
+        return server_pids(nanny.pid) if nanny.poll() is None else []
 
     def isolated(self):
         """Process ids of our isolated processes, children of the Dask workers."""
-        return [pid for worker in self.workers() for pid in _children(worker)]
+        return [pid for worker in self.workers() for pid in worker_pids(worker)]
 
     def cpu_s(self):
         """CPU seconds so far: of the scheduler, of living workers and what they started."""
         ticks = os.sysconf("SC_CLK_TCK")
-        pids = [*self.workers(), *self.isolated()]
+        servers = [pid for worker in self.workers() for pid in server_pids(worker)]
+        pids = [*self.workers(), *servers, *self.isolated()]
         return _ticks(self.scheduler.pid) / ticks, sum(map(_ticks, pids)) / ticks
 
     def close(self):
@@ -100,13 +101,6 @@ def dask_processes(folder, workers, **environment):
         yield processes
     finally:
         processes.close()
-
-
-def _children(pid):
-    try:
-        return worker_pids(pid)
-    except OSError:  # it has just ended
-        return []
 
 
 def _ticks(pid):

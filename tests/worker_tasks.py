@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import sys
 import time
 from pathlib import Path
 
@@ -83,3 +84,16 @@ def mixed(x):
     if x == 2:
         time.sleep(1000)
     return dies(x)
+
+
+def random_number(_):
+    import numpy as np
+
+    return float(np.random.rand())  # noqa: NPY002 - its own generator is the subject
+
+
+def surroundings(name):
+    """Current folder, first of the path and a variable; for "modules": the names of all modules."""
+    if name == "modules":
+        return sorted(sys.modules)
+    return os.getcwd(), sys.path[0], os.environ.get(name)  # noqa: PTH109

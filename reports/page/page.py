@@ -8,7 +8,9 @@ from pathlib import Path
 
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
+from reports.gate.verdict import Verdict
 from reports.page.episode_tables import EpisodeTables, Key, episode_tables
+from reports.page.gate_section import gate_section
 from reports.page.headline import headline
 from reports.page.run_entries import RunEntry, opening_entry, run_entries, worst_entries
 from reports.page.run_report import run_report
@@ -34,8 +36,10 @@ PLAYER = (
 )
 
 
-def build_page(runs: Sequence[SavedRun], title: str = "") -> str:
+def build_page(runs: Sequence[SavedRun], title: str = "", verdict: Verdict | None = None) -> str:
     """Build the page of one run, or of several side by side.
+
+    verdict: the gate's on the run against a baseline, for a page of one run.
 
     Films and pictures go in as far as the byte limits of `packed_films` and `enlarged_pictures`
     allow, all else whatever its size. Raises BenchError without a run, and where a picture cannot
@@ -61,6 +65,7 @@ def build_page(runs: Sequence[SavedRun], title: str = "") -> str:
             headline(report, [e for e in entries if e.key.startswith(f"{r}-")])
             for r, report in enumerate(reports)
         ],
+        gate=gate_section(verdict, entries) if verdict is not None else None,
         groups=group_table(reports),
         scenarios=scenario_table(reports, {section.name: section.anchor for section in sections}),
         totals=[
@@ -79,9 +84,11 @@ def build_page(runs: Sequence[SavedRun], title: str = "") -> str:
     )
 
 
-def write_page(runs: Sequence[SavedRun], path: Path, title: str = "") -> Path:
+def write_page(
+    runs: Sequence[SavedRun], path: Path, title: str = "", verdict: Verdict | None = None
+) -> Path:
     """Write the page and return its path. Raises BenchError where it cannot be written."""
-    return write_text(path, build_page(runs, title))
+    return write_text(path, build_page(runs, title, verdict))
 
 
 def _with_unique_names(runs: Sequence[SavedRun]) -> list[SavedRun]:

@@ -56,8 +56,9 @@ def write_catalogue(html: Path | None, markdown: Path | None, workers: int) -> l
         check_replaceable(path)
     scenarios = sorted(map(load_scenario, scenario_names()), key=_order)
     part = unfinished(paths[0])
+    pool = WorkerPool(min(workers, len(scenarios)), modules=(draw_scenarios.__module__,))
     # While pages are written, signals are only counted.
-    with interrupts(), WorkerPool(min(workers, len(scenarios))) as pool, ExitStack() as opened:
+    with interrupts(), pool, ExitStack() as opened:
         with unwritten_if_interrupted(paths[0], "; the same command goes on"):
             identity = catalogue_identity(pool.renderer())
             journal = opened.enter_context(Journal.open(part, identity))

@@ -174,6 +174,13 @@ def report(
     out: Annotated[
         Path | None, typer.Option(help="Where the page goes [RUN/report.html, of one run].")
     ] = None,
+    baseline: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="BASE",
+            help="A saved run: the page begins with the gate's verdict against it.",
+        ),
+    ] = None,
     rerun: Annotated[
         Path | None,
         typer.Option(
@@ -189,8 +196,8 @@ def report(
     `rerun FILE.rrd`; needs the extra `viz`.
     """
     if rerun is not None:
-        if len(runs) != 1 or out is not None:
-            raise BenchError("--rerun takes one run, and goes without --out.")
+        if len(runs) != 1 or out is not None or baseline is not None:
+            raise BenchError("--rerun takes one run, and goes without --out and --baseline.")
         from reports.rerun.run import write_rerun
         from reports.run.load import load
         from scenarios.console.interrupts import unwritten_if_interrupted
@@ -200,7 +207,7 @@ def report(
         return
     from scenarios.run.report import remake_report
 
-    typer.echo(f"report: {remake_report(runs, out)}")
+    typer.echo(f"report: {remake_report(runs, out, baseline)}")
 
 
 def score(

@@ -30,9 +30,11 @@ def list_catalogue(
 ) -> None:
     """All shipped scenarios and suites: group, frames x frames a second, T if from the thesis."""
     if html is None and markdown is None:
-        from scenarios.catalogue.list_text import catalogue_lines
+        from shutil import get_terminal_size
 
-        for line in catalogue_lines():
+        from scenarios.catalogue.list_text import WIDTH, catalogue_lines
+
+        for line in catalogue_lines(get_terminal_size((WIDTH, 24)).columns):
             typer.echo(line)
         return
     from scenarios.catalogue.pages import write_catalogue
@@ -89,12 +91,17 @@ def measure(
     """
     from scenarios.catalogue.survey import survey_scenario
     from scenarios.catalogue.survey_table import survey_table
+    from scenarios.console.progress import progress
     from scenarios.console.tables import print_table
     from scenarios.spec.names import load_scenario, scenario_names
+    from sim.steps import counted
 
     if not 1 <= seeds <= 1000:
         raise BenchError(f"--seeds must be between 1 and 1000, got {seeds}")
-    surveys = [survey_scenario(load_scenario(n), range(seeds)) for n in names or scenario_names()]
+    scenarios = [load_scenario(name) for name in names or scenario_names()]
+    with progress() as meter:
+        meter.begin("measuring", len(scenarios), "scenario")
+        surveys = [survey_scenario(one, range(seeds)) for one in counted(scenarios)]
     print_table(survey_table(surveys))
     if any(survey.faults for survey in surveys):
         raise typer.Exit(1)

@@ -19,6 +19,7 @@ from rich.table import Table
 from rich.text import Text
 
 from reports.summary.text import count, duration
+from scenarios.console.screen import is_screen
 from sim.steps import counting
 
 PLAIN_S = 30.0  # between two lines in a pipe or the log of a CI job
@@ -143,15 +144,9 @@ def progress(
     """
     console = Console(stderr=True) if console is None else console
     meter = Meter(running)
-    shown = _live(console, meter) if _is_screen(console) else _plain(meter, plain_s)
+    shown = _live(console, meter) if is_screen(console) else _plain(meter, plain_s)
     with shown, counting(meter.step):
         yield meter
-
-
-def _is_screen(console: Console) -> bool:
-    """Whether a line can be redrawn; a log is none, whatever colours it is made to have."""
-    stream = console.file
-    return bool(stream.isatty()) and not console.is_dumb_terminal
 
 
 @contextmanager

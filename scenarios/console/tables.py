@@ -14,6 +14,8 @@ from rich.measure import Measurement
 from rich.table import Column, Table
 from rich.text import Text
 
+from scenarios.console.screen import is_screen
+
 INDENT = "  "
 _HELD = "\u00a0"  # a space at which a line does not end
 
@@ -25,7 +27,7 @@ def print_table(table: Table, console: Console | None = None) -> None:
     table.title = table.caption = None
     longest = _widths(table, _longest_line)
     natural = Measurement.get(console, console.options.update(max_width=10_000), table).maximum
-    wide = console if console.is_terminal else Console(file=console.file, width=natural)
+    wide = console if is_screen(console) else Console(file=console.file, width=natural)
     room = wide.width - (natural - sum(longest))
     needed = _widths(table, _longest_word)
     if title is not None:

@@ -37,13 +37,13 @@ from sim.processes import (
     ATTEMPTS,
     POLL_S,
     SELF_TEST_LIMIT_S,
-    TERMINAL_SIGNALS,
     WORKER_ENVIRONMENT,
     Answer,
     Lost,
     describe_renderer,
     renderer_fault,
 )
+from sim.worker_server import TERMINAL_SIGNALS
 
 WORKER_WAIT_VARIABLE = "PJPDAF_BENCH_WORKER_WAIT_S"
 WORKER_WAIT_S = 60.0  # for a first worker; and for another one, where the last has gone

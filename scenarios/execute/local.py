@@ -11,6 +11,8 @@ from reports.summary.text import count
 from scenarios.execute.executor import Executor
 from sim.processes import WorkerPool
 
+PLAYED_WITH = ("scenarios.execute.episodes",)  # imported once, before workers are forked
+
 
 def worker_count(jobs: int | None) -> int:
     """The number of workers for `--jobs`; None: as many as there are cores.
@@ -36,5 +38,5 @@ def local_executor(workers: int, tasks_per_worker: int = 0) -> Iterator[Executor
 
     tasks_per_worker: as of `WorkerPool`.
     """
-    with WorkerPool(workers, tasks_per_worker) as pool:
+    with WorkerPool(workers, tasks_per_worker, PLAYED_WITH) as pool:
         yield pool

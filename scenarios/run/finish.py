@@ -17,6 +17,7 @@ from reports.summary.text import count
 from scenarios.cache.report import origin_line
 from scenarios.cache.settings import cache_settings
 from scenarios.console.interrupts import Interrupted, Interrupts
+from scenarios.console.progress import progress
 from scenarios.console.tables import print_table
 from scenarios.execute.episodes import PlayResults
 from scenarios.run.corpus_verdict import (
@@ -47,7 +48,8 @@ def finish_run(
     """
     if not played.rows:
         raise Interrupted("interrupted before any episode was finished; nothing saved")
-    with run.kept_after_faults():
+    with run.kept_after_faults(), progress() as meter:
+        meter.begin("saving the run", None)
         saved = save_run(
             request.plan,
             run.jobs,
@@ -58,6 +60,7 @@ def finish_run(
             slim=request.slim,
         )
         if not request.slim:
+            meter.begin("writing the page", None)
             write_page([saved], run.staged / "report.html")
     run.publish()
     corpus = outcomes_of(request.plan.targets, run.jobs, played.rows)
@@ -102,7 +105,8 @@ def _print_results(
             highlight=False,
             soft_wrap=True,
         )
-    settings = cache_settings() if request.plan.use_cache and cached_here else None
+    cached = request.plan.use_cache and request.plan.dataset is None and cached_here
+    settings = cache_settings() if cached else None
     if origin := origin_line(played.rows, settings):
         out.print(origin, highlight=False, soft_wrap=True)
     for line in verdict_lines(corpus):

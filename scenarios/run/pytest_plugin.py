@@ -187,7 +187,7 @@ def _play_and_save(
         raise KeyboardInterrupt
     refuse_failures(played)
     saved = save_run(request, jobs, played, folder, preset=preset)
-    return saved, origin_line(played.rows, cache_settings())
+    return saved, "" if request.dataset else origin_line(played.rows, cache_settings())
 
 
 def _report(run: BenchRun, origin: str) -> str:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from pjpdaf.errors import BenchError
+from pjpdaf.presets.registry import find_preset
 from reports.run.rows import EpisodeRows
 from reports.summary.text import count
 from scenarios.console.folder import unfinished
@@ -53,6 +54,7 @@ def planned(request: RunRequest) -> list[Job]:
             f"--time-limit must be above 0 s, at most {MAX_TIME_LIMIT_S:g}, got "
             f"{request.time_limit_s:g}"
         )
+    find_preset(request.preset)
     wanted = request.plan
     allow_plug_ins_from_here(wanted.detector, wanted.tracker)
     # Detections from files have no code to be tried.

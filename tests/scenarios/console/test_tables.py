@@ -13,8 +13,8 @@ NAMES = ("cross", "a_scenario_with-a-very-long-name@12+dim")
 VERDICT = "inconclusive"
 
 
-def table(title="Run runs/a-long-name-20261126-101336"):
-    made = plain_table(title)
+def table():
+    made = plain_table("Run runs/a-long-name-20261126-101336")
     made.add_column("scenario", no_wrap=True)
     made.add_column("within\n100 mm", justify="right", no_wrap=True)
     made.add_column("what it is")
@@ -25,10 +25,15 @@ def table(title="Run runs/a-long-name-20261126-101336"):
     return made
 
 
+class Screen(io.StringIO):
+    def isatty(self):
+        return True
+
+
 def printed(columns=None, **options):
-    screen = columns is not None
-    console = Console(file=io.StringIO(), width=columns, force_terminal=screen, no_color=True)
-    print_table(table(**options), console)
+    file = io.StringIO() if columns is None else Screen()
+    console = Console(file=file, width=columns, no_color=True, **options)
+    print_table(table(), console)
     return Text.from_ansi(console.file.getvalue()).plain
 
 
@@ -41,6 +46,10 @@ def test_nothing_is_cut_and_no_word_is_broken(columns):
         assert word in words
     assert "Run runs/a-long-name-20261126-101336" in text
     assert "1 episode gave no result" in text
+
+
+def test_the_log_of_a_ci_job_that_asks_for_colours_is_no_screen():
+    assert printed(None, force_terminal=True) == printed(None)
 
 
 def test_a_wide_enough_terminal_has_one_line_a_row():

@@ -48,6 +48,17 @@ def recipes_of(frames):
     return plan_recipes(wanted)
 
 
+def test_frames_of_a_few_sequences_are_made_on_trial(executor):
+    recipes = recipes_of(100)[:2]
+    trials = try_sequences(executor, dict(enumerate(recipes)))
+    assert sorted(trials) == [0, 1]
+    pixels = 96 * 72
+    for trial in trials.values():
+        assert 2 * pixels < trial.pictures < 2 * 3 * pixels * 1.1
+        assert 0 < trial.labels < 2 * 3 * pixels
+        assert 0 < trial.frame_s < trial.start_s + trial.frame_s
+
+
 def test_each_sequence_counts_as_the_nearest_that_was_tried():
     recipes = recipes_of(50)
     trials = {0: Trial(1e6, 2e6, 1.0, 2.0), 3: Trial(2e6, 4e6, 1.0, 4.0)}

@@ -19,6 +19,7 @@ from reports.run.save import RunInfo, save, save_slim
 from scenarios.dataset.make import make_dataset
 from scenarios.play.job import Job, System
 from scenarios.play.play import play_complete
+from scenarios.play.recipe import SequenceSettings
 from scenarios.play.targets import expand_target
 from scenarios.run.compare import FILES, CompareRequest, compare_runs, sentence, verdict_table
 from scenarios.run.margins import load_margins, read_margins
@@ -78,19 +79,21 @@ def test_three_episodes_of_a_useless_tracker_are_inconclusive(runs, tmp_path, ca
     assert json.loads((tmp_path / "badge.json").read_text())["color"] == "yellow"
 
 
+@pytest.mark.long  # eight runs in all
 def test_every_play_it_again_command_works_as_it_is_pasted(tmp_path, monkeypatch):
     """Both forms: of scenarios that are rendered, and of a data set."""
-    make_dataset(request_of_set(tmp_path / "my set", targets=("cross",), seeds=1))
+    labels = SequenceSettings((), SIZE_PX)
+    changes = {"targets": ("cross",), "seeds": 1, "settings": ("frames=4", "fps=1")}
+    make_dataset(request_of_set(tmp_path / "my set", labels=labels, **changes))
     (tmp_path / "own.yaml").write_text(
         "name: own\nversion: 1\nsummary: A scenario.\nseeds: 1\nscenarios:\n"
-        "  - {scenario: cross, frames: 4, overrides: {background_frames: 2}}\n"
+        "  - {scenario: cross, frames: 4, overrides: {fps: 1}}\n"
     )
     monkeypatch.chdir(tmp_path)
-    learning = ("--set", "detector.background_learn_min=2", "--jobs", 1)
     for played in (("--from", "my set"), ("own.yaml", "--first-seed", 100)):
         for folder, change in (("base", ()), ("new", ("--set", "tracker.measurement_px2=1e7"))):
-            words = ("run", *played, "--preset", "thesis", *learning, *change, "--out", folder)
-            done = in_this_process(*words)
+            words = ("run", *played, "--preset", "thesis", *change, "--out", folder)
+            done = in_this_process(*words, "--jobs", 1)
             assert done.returncode == 0, done.stderr
         assert in_this_process("compare", "base", "new").returncode == 3
         summary = (tmp_path / "new" / "summary.md").read_text()

@@ -40,7 +40,7 @@ def test_a_data_set(pjpdaf_run, request):
     folder = Path(request.config.rootpath) / "set"
     run = pjpdaf_run(dataset=folder, preset="thesis", settings=settings, first_seed=101)
     assert run.saved.meta["preset"] == run.saved.meta["tracker"] == "thesis"
-    assert [scenario["seeds"] for scenario in run.saved.meta["scenarios"]] == [[101]]
+    assert [scenario["seeds"] for scenario in run.saved.meta["scenarios"]] == [[101], [101]]
 
 
 def test_before(pjpdaf_run, assert_no_regression):

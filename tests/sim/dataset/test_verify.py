@@ -4,10 +4,12 @@ The checks are tested in the folder check, with checksums that were written agai
 they must find it by themselves.
 """
 
-import multiprocessing
+import os
+import signal
 
 import numpy as np
 import pytest
+from commands import worker_pids
 from damaged_dataset import SEQ, edit_json, faults_of, files
 
 from pjpdaf.errors import BenchError
@@ -33,15 +35,15 @@ def test_worker_processes_find_the_same(copies):
 def test_workers_that_are_killed_are_replaced_and_the_verdict_is_complete(copies):
     (copies / SEQ / "right" / "000003.png").unlink()
     wanted = verify(copies, sums=False)
-    others, names, killed = set(multiprocessing.active_children()), [], []
+    others, names, killed = set(worker_pids(os.getpid())), [], []
 
     def kill_all_once(name):
         """While the other worker is checking another sequence."""
         names.append(name)
         if not killed:
-            killed.extend(set(multiprocessing.active_children()) - others)
-            for worker in killed:
-                worker.kill()
+            killed.extend(set(worker_pids(os.getpid())) - others)
+            for pid in killed:
+                os.kill(pid, signal.SIGKILL)
 
     with WorkerPool(2) as pool:
         assert verify(copies, pool=pool, sums=False, on_sequence=kill_all_once) == wanted
