@@ -50,16 +50,19 @@ def run(
         typer.Option(metavar="NAME", help="Only this scenario of those named, as in the table."),
     ] = None,
     slim: Annotated[
-        bool, typer.Option("--slim", help="Keep only what `compare` needs: no frames, no page.")
+        bool,
+        typer.Option(
+            "--slim", help="Keep only what `compare` needs: no frames, no films, no page."
+        ),
     ] = False,
     films: Annotated[
         bool,
         typer.Option(
-            "--films",
-            help="Keep small films of every scenario's first seed and of the worst episodes; the "
-            "page plays them.",
+            "--films/--no-films",
+            help="Keep small films, which the page plays: of all that went wrong, the worst first, "
+            "then of the others, as far as 10 MB go; about 4.3 kB and 15 ms of a core a frame.",
         ),
-    ] = False,
+    ] = True,
     time_limit: Annotated[
         float | None,
         typer.Option(help="How long one episode may take [s]; then it has failed [900]."),
@@ -107,7 +110,7 @@ def run(
 
     if resume is not None:
         asked = (targets, seeds, settings, out, only, from_, detections, first_seed, slim)
-        if any((*asked, films, lag, no_cache, by_target, shard)) or preset != DEFAULT_PRESET:
+        if any((*asked, not films, lag, no_cache, by_target, shard)) or preset != DEFAULT_PRESET:
             raise BenchError(
                 "--resume goes on with what was asked for: beside it only --jobs, --cluster, "
                 "--time-limit, and --tracker or --detector, which must be the same"

@@ -12,7 +12,7 @@ from reports.run.rows import EpisodeRows
 from reports.run.stored_rows import rows_from_bytes, rows_to_bytes
 from reports.summary.text import count
 from scenarios.console.interrupts import interrupts
-from scenarios.execute.episodes import drop_films, results_of
+from scenarios.execute.episodes import results_of, shelf_of
 from scenarios.execute.journal import Journal
 from scenarios.play.job import Job
 from scenarios.run.finish import finish_run
@@ -70,8 +70,8 @@ def merge_shards(wanted: MergeRequest) -> None:
                 _check_equal(jobs[number], rows[number], found, origin[number], part)
             else:
                 rows[number], origin[number] = found, part
-        drop_films(rows)
     _check_whole(parts, jobs, rows)
+    shelf_of(rows, jobs)
     played = with_origin(request, results_of(rows))
     with reserved(request, jobs, request.names) as run, interrupts() as arrived:
         finish_run(request, run, played, f"of {count(len(parts), 'shard')}", arrived)
