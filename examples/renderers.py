@@ -23,7 +23,7 @@ from scenarios.play.footage import performance_of
 from scenarios.play.job import Job, System
 from scenarios.play.play import play_complete
 from scenarios.spec.names import load_scenario
-from sim.gl import load_mujoco
+from sim.gl import context, load_mujoco
 from sim.processes import Answer
 from sim.scene.world import CAMERAS
 from sim.sequence import Simulation
@@ -52,6 +52,7 @@ class Bare:
         lit = flags.mjRND_SHADOW, flags.mjRND_CULL_FACE
         ids = flags.mjRND_SEGMENT, flags.mjRND_IDCOLOR, flags.mjRND_CULL_FACE
         pictures = []
+        context()  # mujoco.Renderer has one of its own
         self._mujoco.mjr_setBuffer(self._mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
         for name in CAMERAS:
             self._show(name, range(6))

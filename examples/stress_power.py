@@ -39,7 +39,7 @@ from sim.processes import Answer
 from sim.randomness import generator
 
 CHUNK = 50  # points of a task
-STEPS, LOOKED_AT = 6, 2000  # bisections of the scale, and points of each
+STEPS, LOOKED_AT = 6, 1000  # bisections of the scale, and points of each
 FIRST_SEED = 100  # of the campaigns: sizes of the search were chosen on seeds from 0
 TIME_LIMIT_S = 3600.0
 

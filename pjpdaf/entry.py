@@ -133,11 +133,11 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
 
-def serve(pipe: Any) -> None:
-    """In a worker process: answer the tasks of a pipe (`sim.processes`)."""
+def serve_forks(channel: Any) -> None:
+    """In the process that workers are forked from: answer a socket (`sim.worker_server`)."""
     own_packages_first()
     _limit_pictures()
-    importlib.import_module("sim.processes").serve(pipe)
+    importlib.import_module("sim.worker_server").serve_forks(channel)
 
 
 def call(module: str, name: str, *arguments: Any) -> Any:

@@ -10,6 +10,8 @@ from typing import Any, Self, TypeVar
 
 from pjpdaf.printable import printable
 
+FEW = 8  # names that a message lists
+NEAR = 0.08  # of the closest name's likeness, 0-1: names that may have been meant as well
 E = TypeVar("E", bound="BenchError")
 
 
@@ -94,8 +96,25 @@ def _restored(kind: type[E], arguments: tuple[Any, ...], fields: dict[str, Any])
     return error
 
 
+def closest(name: str, known: Collection[str]) -> list[str]:
+    """The known names that `name` may have been meant to be, the closest first; at most three."""
+    by_lower = {one.lower(): one for one in sorted(known)}
+    near = difflib.get_close_matches(name.lower(), by_lower, n=3, cutoff=0.6)
+    best = [_likeness(name, one) for one in near]
+    return [by_lower[n] for n, like in zip(near, best, strict=True) if like > best[0] - NEAR]
+
+
+def _likeness(name: str, other: str) -> float:
+    return difflib.SequenceMatcher(None, other, name.lower()).ratio()
+
+
 def did_you_mean(name: str, known: Collection[str]) -> str:
-    """' Did you mean ...? Known: ...' for the end of an error message."""
-    near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-    hint = f" Did you mean {near[0]!r}?" if near else ""
-    return f"{hint} Known: {', '.join(sorted(known))}."
+    """' Did you mean ...?' behind a sentence; all of a few names, or the nearest of many."""
+    near = closest(name, known)
+    hint = f" Did you mean {' or '.join(map(repr, near))}?" if near else ""
+    if len(known) <= FEW:
+        return f"{hint} Known: {', '.join(sorted(known))}."
+    if near:
+        return hint
+    nearest = difflib.get_close_matches(name, known, n=3, cutoff=0.0)
+    return f" The nearest of {len(known)} are {', '.join(nearest)}."

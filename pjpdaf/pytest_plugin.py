@@ -39,7 +39,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pjpdaf_run(request: pytest.FixtureRequest, tmp_path: Path) -> Any:
     """Plays scenarios: `pjpdaf_run("cross", tracker="mine:make", seeds=3)` gives a `BenchRun`.
 
-    Its arguments: `scenarios.run.pytest_plugin.PlayRun`.
+    Or a data set: `pjpdaf_run(dataset="sets/mine", preset="thesis")`. All arguments:
+    docs/gate.md and `scenarios.run.pytest_plugin.PlayRun`.
     """
     with own_packages():
         return importlib.import_module(_IMPLEMENTATION).player(request, tmp_path)
@@ -50,7 +51,8 @@ def assert_no_regression(request: pytest.FixtureRequest) -> Any:
     """`assert_no_regression(run)` fails the test unless the gate passes the run.
 
     Its base is DIR/NAME of --pjpdaf-baseline DIR, NAME being the test's;
-    --pjpdaf-update-baseline writes it. margins: metric -> margin, as of `compare`.
+    --pjpdaf-update-baseline writes it. margins: metric -> margin, as of `compare`. A test that
+    asks for this fixture fails before it plays where the baseline is missing or of other episodes.
     """
     with own_packages():
         return importlib.import_module(_IMPLEMENTATION).checker(request)

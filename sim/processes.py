@@ -14,21 +14,21 @@ import threading
 import time
 import traceback
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from multiprocessing import connection
 from types import TracebackType
 from typing import Any, Generic, TypeVar
 
-from pjpdaf import entry
 from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.unforeseen import describe
+from sim import steps
+from sim.worker_server import END_LIMIT_S, TERMINAL_SIGNALS, fork_worker
 
 ATTEMPTS = 3  # at a task whose worker is killed
 POLL_S = 0.5
 START_LIMIT_S = 300.0  # for a worker to start and to import what a task needs
-END_LIMIT_S = 5.0  # for a worker to end by itself
 SELF_TEST_LIMIT_S = 120.0
 # One process a core: the software rasteriser's and the libraries' own threads only get in the way.
 # LP_NUM_THREADS must stand before the first GL call; the pixels are the same for any value.
@@ -38,9 +38,8 @@ WORKER_ENVIRONMENT = {
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
 }
-# Ctrl-C and a closed terminal reach the whole process group: only the parent decides about them.
-TERMINAL_SIGNALS = (signal.SIGINT, signal.SIGHUP)
-_BEGUN, _RETURNED, _RAISED = "begun", "returned", "raised"  # messages of a worker
+STEPS_S = 0.2  # between two messages about the steps of a task
+_BEGUN, _STEPS, _RETURNED, _RAISED = "begun", "steps", "returned", "raised"  # of a worker
 T = TypeVar("T")
 R = TypeVar("R")
 
@@ -76,13 +75,17 @@ class WorkerPool:
 
     Each worker has a pipe of its own and shares no lock with others: when one is killed, the rest
     go on. After `close` it can be used again. tasks_per_worker: a worker is replaced after this
-    many tasks; 0: never.
+    many tasks; 0: never. modules: of ours, that workers have imported when they start, beside that
+    of the function of their first task.
     """
 
-    def __init__(self, count: int, tasks_per_worker: int = 0) -> None:
+    def __init__(
+        self, count: int, tasks_per_worker: int = 0, modules: Collection[str] = ()
+    ) -> None:
         for name, value in WORKER_ENVIRONMENT.items():
             os.environ.setdefault(name, value)
         self._count, self._tasks_per_worker = count, tasks_per_worker
+        self._modules = tuple(modules)
         self._workers: list[_Worker] = []
 
     def outcomes(
@@ -100,11 +103,11 @@ class WorkerPool:
         waiting, tried = deque(tasks), dict.fromkeys(tasks, 0)
         try:
             while waiting or any(worker.task_index is not None for worker in self._workers):
-                for worker in self._idle_workers(len(waiting)):
+                for worker in self._idle_workers(len(waiting), function.__module__):
                     tried[waiting[0]] += 1
                     worker.assign(waiting[0], function, tasks[waiting.popleft()], limit_s)
                 busy = [worker for worker in self._workers if worker.task_index is not None]
-                connection.wait([handle for worker in busy for handle in worker.handles], POLL_S)
+                connection.wait([worker.pipe for worker in busy], POLL_S)
                 for worker in busy:
                     index, outcome = worker.task_index, worker.outcome()
                     assert index is not None
@@ -145,6 +148,10 @@ class WorkerPool:
         """The description of the one renderer here. Raises as `renderer`."""
         return frozenset({self.renderer()})
 
+    def running_steps(self) -> int:
+        """The steps that the tasks in progress have counted (`sim.steps`), as of the last poll."""
+        return sum(w.steps for w in tuple(self._workers) if w.task_index is not None)
+
     def close(self) -> None:
         """End all workers now, also those that are still starting or have a task."""
         workers, self._workers = self._workers, []
@@ -167,43 +174,43 @@ class WorkerPool:
         self._workers = [worker for worker in self._workers if worker not in busy]
         _end_all(busy)
 
-    def _idle_workers(self, most: int) -> list[_Worker]:
+    def _idle_workers(self, most: int, module: str) -> list[_Worker]:
         """At most `most` workers without a task, started where there are too few."""
         for worker in [w for w in self._workers if w.task_index is None]:
-            if not worker.process.is_alive():  # killed while it waited
+            if worker.process.exit_code is not None:  # killed while it waited
                 self._workers.remove(worker)
                 worker.end()
         idle = [worker for worker in self._workers if worker.task_index is None]
         while len(idle) < most and len(self._workers) < self._count:
-            idle.append(_Worker())
+            idle.append(_Worker((*self._modules, module)))
             self._workers.append(idle[-1])
         return idle[:most]
 
 
 class _Worker:
-    """A process and the parent's end of its pipe. task_index: None without a task."""
+    """A process and the parent's end of its pipe.
 
-    def __init__(self) -> None:
-        # Spawn, always: a child forked beside a GL context hangs.
-        spawn = multiprocessing.get_context("spawn")
-        self._pipe, theirs = spawn.Pipe()
-        self.process = spawn.Process(target=entry.serve, args=(theirs,))
-        with _terminal_signals_blocked():
-            self.process.start()
-        theirs.close()  # so that its end is known by the pipe's
+    task_index: None without a task; steps: that its task has counted.
+    """
+
+    def __init__(self, modules: Collection[str]) -> None:
+        self._pipe, theirs = multiprocessing.Pipe()
+        with theirs:  # so that its end is known by the pipe's
+            self.process = fork_worker(theirs, modules)
         self.task_index: int | None = None
+        self.steps = 0
         self.done = 0
         self._limit_s = 0.0
         self._due = 0.0
 
     @property
-    def handles(self) -> tuple[Any, int]:
-        """Handles for `multiprocessing.connection.wait`: ready with an answer, and at the end."""
-        return self._pipe, self.process.sentinel
+    def pipe(self) -> Any:
+        """For `multiprocessing.connection.wait`: ready with an answer, and at the end."""
+        return self._pipe
 
     def assign(self, index: int, function: Callable[[T], R], task: T, limit_s: float) -> None:
         """Send a task. Its time limit starts when the worker has imported what it needs."""
-        self.task_index, self._limit_s = index, limit_s
+        self.task_index, self.steps, self._limit_s = index, 0, limit_s
         self._due = time.monotonic() + START_LIMIT_S + limit_s
         with suppress(BrokenPipeError, ConnectionResetError):  # it ended; `outcome` says so
             self._pipe.send((function, task))
@@ -213,7 +220,7 @@ class _Worker:
 
         Raises what the task raised.
         """
-        alive = self.process.is_alive()  # asked first: an answer may come just before the end
+        alive = self.process.exit_code is None  # asked first: an answer may come before the end
         while self._pipe.poll():
             try:
                 message, value = self._pipe.recv()
@@ -221,6 +228,9 @@ class _Worker:
                 return self._end_lost(late=False)
             if message == _BEGUN:
                 self._due = time.monotonic() + self._limit_s
+                continue
+            if message == _STEPS:
+                self.steps = value
                 continue
             self.task_index = None
             self.done += 1
@@ -237,17 +247,16 @@ class _Worker:
         """Close its pipe, with which it ends, and remove the process."""
         self._pipe.close()
         self.process.join(END_LIMIT_S)
-        if self.process.exitcode is None:
+        if self.process.exit_code is None:
             self.process.kill()
             self.process.join()
-        self.process.close()
 
     def _end_lost(self, late: bool) -> Lost:
         self.task_index = None
         if late:
             self.process.kill()
         self.process.join(END_LIMIT_S)
-        code = self.process.exitcode
+        code = self.process.exit_code
         self.end()
         return Lost(late, attempts=1, exit_code=code)
 
@@ -269,13 +278,29 @@ def serve(pipe: Any) -> None:
             return
         pipe.send((_BEGUN, None))
         try:
-            answer = _RETURNED, function(task)
+            with steps.counting(_StepMessages(pipe).count):
+                answer = _RETURNED, function(task)
         except Exception as fault:
             answer = _RAISED, sendable(fault)
         try:
             pipe.send(answer)
         except (AttributeError, TypeError, pickle.PicklingError) as fault:
             pipe.send((_RAISED, RuntimeError(f"its answer cannot be sent: {fault}")))
+
+
+class _StepMessages:
+    """Counts the steps of a task, and sends their number every `STEPS_S`."""
+
+    def __init__(self, pipe: Any) -> None:
+        self._pipe, self._steps, self._due = pipe, 0, 0.0
+
+    def count(self) -> None:
+        self._steps += 1
+        now = time.monotonic()
+        if now >= self._due:
+            self._due = now + STEPS_S
+            with suppress(OSError):  # the parent has ended, and so does this process
+                self._pipe.send((_STEPS, self._steps))
 
 
 def sendable(fault: Exception) -> Exception:
@@ -307,16 +332,6 @@ def _end_with_parent() -> None:
     if parent is not None:
         parent.join()
         os._exit(1)
-
-
-@contextmanager
-def _terminal_signals_blocked() -> Iterator[None]:
-    """Block `TERMINAL_SIGNALS`, also in the processes that are started in the block."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, TERMINAL_SIGNALS)
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def describe_renderer(_: None) -> str:

@@ -5,7 +5,7 @@ import os
 import subprocess
 import sys
 import time
-from contextlib import redirect_stderr, redirect_stdout
+from contextlib import redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
 
 import pytest
@@ -45,15 +45,28 @@ def pending(pid):
 
 
 def worker_pids(pid):
-    """Process ids of the workers that a process started (not of Python's own resource tracker)."""
+    """Process ids of the workers of a process: they are forked from its server."""
+    return [child for server in server_pids(pid) for child in _spawned(server)]
+
+
+def server_pids(pid):
+    """Process ids of the servers that a process started for its workers; one, or none yet."""
+    return _spawned(pid)
+
+
+def _spawned(pid):
+    """Children of a process that run Python code of its (not Python's own resource tracker)."""
     pids = []
-    for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
-        try:
+    try:  # a child is that of the thread that started it
+        threads = list(Path(f"/proc/{pid}/task").iterdir())
+        children = " ".join((thread / "children").read_text() for thread in threads).split()
+    except (FileNotFoundError, ProcessLookupError):  # it has ended
+        return pids
+    for child in children:
+        with suppress(FileNotFoundError, ProcessLookupError):
             words = Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")
-        except FileNotFoundError:  # it has ended
-            continue
-        if any(b"spawn_main" in word for word in words):
-            pids.append(int(child))
+            if any(b"spawn_main" in word for word in words):
+                pids.append(int(child))
     return pids
 
 

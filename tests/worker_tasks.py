@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import sys
 import time
 from pathlib import Path
 
@@ -66,8 +67,33 @@ class SlowToArrive:
         return time.sleep, (1.0,)
 
 
+def counts_steps(wait_for):
+    """Two steps, of which the parent hears while the task goes on, until the file is there."""
+    from sim import processes
+    from sim.steps import step
+
+    processes.STEPS_S = 0.0
+    step()
+    step()
+    while not Path(wait_for).exists():
+        time.sleep(0.02)
+
+
 def mixed(x):
     """One that ends its process, one that hangs, and many that answer."""
     if x == 2:
         time.sleep(1000)
     return dies(x)
+
+
+def random_number(_):
+    import numpy as np
+
+    return float(np.random.rand())  # noqa: NPY002 - its own generator is the subject
+
+
+def surroundings(name):
+    """Current folder, first of the path and a variable; for "modules": the names of all modules."""
+    if name == "modules":
+        return sorted(sys.modules)
+    return os.getcwd(), sys.path[0], os.environ.get(name)  # noqa: PTH109

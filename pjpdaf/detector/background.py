@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from pjpdaf.arrays import readonly
@@ -80,26 +81,25 @@ class BackgroundSums:
         self.frames = 0
         self._size: tuple[int, ...] = ()
         angles = np.arange(256) * (2 * np.pi / 256)
-        self._cosines, self._sines = np.cos(angles), np.sin(angles)
+        self._directions = np.stack([np.cos(angles), np.sin(angles)], axis=-1)[None]
 
     def add(self, picture: np.ndarray) -> None:
         """Add a person-free picture, uint8 BGR (h, w, 3). Raises BenchError for another size."""
         if self.frames == 0:
             self._size = picture.shape
-            self._c, self._s = np.zeros(picture.shape[:2]), np.zeros(picture.shape[:2])
-            self._first = np.zeros((*picture.shape[:2], 2), np.int64)  # sums of S and V
-            self._second = np.zeros((*picture.shape[:2], 2), np.int64)  # sums of their squares
+            self._direction = np.zeros((*picture.shape[:2], 2))  # sums of the hue's cosine and sine
+            self._first = np.zeros(picture.shape)  # sums of H, S and V, whole numbers
+            self._second = np.zeros(picture.shape)  # sums of their squares
         elif picture.shape != self._size:
             raise BenchError(
                 f"Background pictures must have one size, got {self._size[1]}x{self._size[0]} "
                 f"and {picture.shape[1]}x{picture.shape[0]}."
             )
         hsv = to_hsv(picture)
-        self._c += self._cosines[hsv[..., 0]]
-        self._s += self._sines[hsv[..., 0]]
-        sv = hsv[..., 1:].astype(np.int64)
-        self._first += sv
-        self._second += sv * sv
+        hue = hsv[..., 0]
+        self._direction += cv2.LUT(cv2.merge([hue, hue]), self._directions)
+        cv2.accumulate(hsv, self._first)
+        cv2.accumulateSquare(hsv, self._second)
         self.frames += 1
 
     def result(self, frames_min: int) -> Background:
@@ -112,13 +112,15 @@ class BackgroundSums:
                 "foreground, 3 give 14.5 %)."
             )
         mean, sd = np.empty(self._size), np.empty(self._size)
-        R = np.clip(np.hypot(self._c, self._s) / n, 1e-12, 1.0)
-        mean[..., 0] = np.degrees(np.arctan2(self._s, self._c)) % 360.0
+        c, s = self._direction[..., 0], self._direction[..., 1]
+        R = np.clip(np.hypot(c, s) / n, 1e-12, 1.0)
+        mean[..., 0] = np.degrees(np.arctan2(s, c)) % 360.0
         # n / (n - 1), as for any variance from n values; exact for the small spreads that matter.
         variance_deg2 = np.degrees(1.0) ** 2 * -2.0 * np.log(R) * n / (n - 1)
         sd[..., 0] = np.minimum(np.sqrt(variance_deg2), UNIFORM_SD_DEG)
-        mean[..., 1:] = self._first / n / 255.0
-        spread = np.maximum(self._second - self._first * self._first / n, 0.0) / (n - 1)
+        first, second = self._first[..., 1:], self._second[..., 1:]
+        mean[..., 1:] = first / n / 255.0
+        spread = np.maximum(second - first * first / n, 0.0) / (n - 1)
         sd[..., 1:] = np.sqrt(spread) / 255.0
         return Background(mean, sd, n)
 

@@ -212,9 +212,17 @@ def _alignment(frames: list[StereoFrame], cameras: tuple[Camera, ...]) -> Alignm
     views = [[p for f in frames if (p := f.pictures[view]) is not None] for view in range(2)]
     if not all(views):
         return None
-    one, two = (np.rint(np.mean(np.array(v), axis=0)).astype(np.uint8) for v in views)
+    one, two = (np.rint(_mean(v)).astype(np.uint8) for v in views)
     found = align((one, two), (cameras[0], cameras[1]))
     return found if found is not None and found.matters else None
+
+
+def _mean(pictures: list[np.ndarray]) -> Floats:
+    """Mean of uint8 pictures; the sums are exact."""
+    total = np.zeros(pictures[0].shape)
+    for picture in pictures:
+        cv2.accumulate(picture, total)
+    return total / len(pictures)
 
 
 def directions(seen: Segments) -> tuple[Floats, Floats]:
@@ -224,22 +232,28 @@ def directions(seen: Segments) -> tuple[Floats, Floats]:
     Thin is what an opening by a disc of THIN of that width takes away.
     """
     palms, thin_parts = np.zeros((seen.count, 2)), np.zeros((seen.count, 2))
+    # Columns of their own: numpy reduces an axis of 2 slowly.
+    columns, rows = np.ascontiguousarray(seen.points.T)
     for i in range(seen.count):
-        points = seen.points[seen.component == i]
-        low = points.min(axis=0)
-        width, height = points.max(axis=0) - low + 3  # a rim of 1 px all round
-        inside = np.zeros((height, width), np.uint8)
-        inside[points[:, 1] - low[1] + 1, points[:, 0] - low[0] + 1] = 1
+        at = np.flatnonzero(seen.component == i)
+        x, y = columns[at], rows[at]
+        low = np.array([x.min(), y.min()])
+        # A rim of 1 px all round.
+        inside = np.zeros((int(y.max() - low[1]) + 3, int(x.max() - low[0]) + 3), np.uint8)
+        inside[y - low[1] + 1, x - low[0] + 1] = 1
         depth = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
-        widest = np.argwhere(depth > 0.9 * depth.max()).mean(axis=0)[::-1]
-        root = len(points) ** 0.5
-        palms[i] = (points.mean(axis=0) - (widest - 1 + low)) / root
-        size = 2 * max(1, round(THIN * float(depth.max()))) + 1
+        deepest = depth.max()
+        down, right = np.nonzero(depth > 0.9 * deepest)
+        widest = np.array([right.mean(), down.mean()])
+        root = len(at) ** 0.5
+        palms[i] = (np.array([x.mean(), y.mean()]) - (widest - 1 + low)) / root
+        size = 2 * max(1, round(THIN * float(deepest))) + 1
         disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
         rest = inside - cv2.morphologyEx(inside, cv2.MORPH_OPEN, disc)
-        thin = np.argwhere(rest > 0)[:, ::-1]
-        if len(thin):
-            thin_parts[i] = (thin - widest).sum(axis=0) / len(points) / root
+        down, right = np.nonzero(rest)
+        if len(down):
+            thin = np.array([(right - widest[0]).sum(), (down - widest[1]).sum()])
+            thin_parts[i] = thin / len(at) / root
     return palms, thin_parts
 
 

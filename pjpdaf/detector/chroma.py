@@ -68,14 +68,17 @@ class ChromaTest:
 
     def _distance(self, bgr: np.ndarray, noisier: float) -> np.ndarray:
         """Squared Mahalanobis distance (h, w) in log chroma, 0 where a channel is dark."""
-        off = log_chroma(bgr) - self.mean
-        # What the camera's own white balance did since: most of a picture is background.
-        off -= np.median(off[::EVERY, ::EVERY].reshape(-1, 2), axis=0)
         # Channel by channel: numpy reduces an axis of 2 or 3 slowly.
-        blue, green, red = cv2.split(np.maximum(bgr, 1.0))
+        levels = cv2.split(np.maximum(bgr, 1.0))
+        blue, green, red = levels
+        of_channels = [np.log(level) for level in levels]
+        one = of_channels[2] - of_channels[1] - self.mean[..., 0]
+        two = of_channels[1] - of_channels[0] - self.mean[..., 1]
+        for off in (one, two):
+            # What the camera's own white balance did since: most of a picture is background.
+            off -= np.median(off[::EVERY, ::EVERY])
         square = (noisier * self.noise) ** 2
-        of_blue, of_green, of_red = (square / (level * level) for level in (blue, green, red))
-        one, two = off[..., 0], off[..., 1]
+        of_blue, of_green, of_red = (square / (level * level) for level in levels)
         distance: np.ndarray = one * one / (of_red + of_green + FLOOR**2)
         distance += two * two / (of_green + of_blue + FLOOR**2)
         distance[np.minimum(np.minimum(blue, green), red) <= DARK] = 0.0

@@ -53,11 +53,23 @@ class Segments:
 
 def clean(mask: np.ndarray, open_px: int, close_px: int) -> np.ndarray:
     """Open, then close a uint8 mask (h, w) by discs of these diameters [px]; <= 1: neither."""
+    x, y, width, height = cv2.boundingRect(mask)
+    if width == 0 or max(open_px, close_px) <= 1:
+        return mask
+    # Only where the mask is; a rim as wide as the elements reach, so that nothing changes there.
+    rim = max(open_px, 0) + max(close_px, 0) + 1
+    rows, columns = (
+        slice(max(y - rim, 0), y + height + rim),
+        slice(max(x - rim, 0), x + width + rim),
+    )
+    window = mask[rows, columns]
     for diameter, operation in ((open_px, cv2.MORPH_OPEN), (close_px, cv2.MORPH_CLOSE)):
         if diameter > 1:
             disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (int(diameter), int(diameter)))
-            mask = cv2.morphologyEx(mask, operation, disc)
-    return mask
+            window = cv2.morphologyEx(window, operation, disc)
+    cleaned = np.zeros_like(mask)
+    cleaned[rows, columns] = window
+    return cleaned
 
 
 def segments(mask: np.ndarray, min_area_px: float, merge_fragments: bool) -> Segments:

@@ -41,7 +41,8 @@ def exposure_of(pictures: Sequence[np.ndarray]) -> Exposure:
     sampled = [p[::STEP_PX, ::STEP_PX].astype(np.float32) for p in pictures]
     variances = []
     for one, two in itertools.pairwise(sampled):
-        off = (two - one) - np.median(two - one)
+        off = two - one
+        off -= np.median(off)
         square = off * off
         variances.append(float(np.mean(square[square <= np.percentile(square, 99)])) / 2.0)
     noise = math.sqrt(float(np.median(variances)) * 1.1)  # the 1 % cut off had a tenth of it

@@ -64,14 +64,14 @@ def face_of(
     inside = _head_box(foreground, focal_px / USUAL_DEPTH_M)
     if inside is None:
         return None
+    size = int(inside.sum())
     colours = small[inside].astype(np.float32)
     value = colours.max(axis=1)
     colours = colours[value >= DARK * np.percentile(value, 95)]
     chroma = log_chroma(colours)
     at = ((chroma - LOW) / BIN).astype(np.intp).clip(0, BINS - 1)
-    counts = np.zeros((BINS, BINS), np.float32)
-    np.add.at(counts, (at[:, 0], at[:, 1]), 1.0)
-    counts = cv2.GaussianBlur(counts, (0, 0), 1.0)
+    numbers = np.bincount(at[:, 0] * BINS + at[:, 1], minlength=BINS * BINS)
+    counts = cv2.GaussianBlur(numbers.reshape(BINS, BINS).astype(np.float32), (0, 0), 1.0)
     centres = LOW + (np.arange(BINS) + 0.5) * BIN
     for axis in range(2):
         off = (centres - background_chroma[axis] - REDDER[axis]) / REDDER_SD[axis]
@@ -79,15 +79,17 @@ def face_of(
         counts *= prior[:, None] if axis == 0 else prior[None, :]
     u, v = np.unravel_index(int(counts.argmax()), counts.shape)
     centre = np.array([centres[u], centres[v]])
+    one, two = np.ascontiguousarray(chroma.T)  # numpy reduces an axis of 2 slowly
     for _ in range(3):
-        near = ((chroma - centre) ** 2).sum(axis=1) < NEAR**2
-        if near.sum() < LEAST_SHARE * inside.sum():
+        near = (one - centre[0]) ** 2 + (two - centre[1]) ** 2 < NEAR**2
+        if near.sum() < LEAST_SHARE * size:
             return None
         centre = chroma[near].mean(axis=0)
     off = (centre - background_chroma - REDDER) / REDDER_SD
     if (off * off).sum() > ODDEST**2:
         return None
-    return Face(np.median(colours[near], axis=0).astype(np.float64), int(near.sum()))
+    bgr = [float(np.median(channel)) for channel in np.ascontiguousarray(colours[near].T)]
+    return Face(np.array(bgr), int(near.sum()))
 
 
 def _head_box(foreground: np.ndarray, metre_px: float) -> Bools | None:

@@ -11,8 +11,9 @@ import pandas as pd
 
 from pjpdaf.arrays import Floats
 from pjpdaf.errors import InfrastructureError
+from reports.gate.advice import advice_of
 from reports.gate.metrics import METRICS, Metric, with_margins
-from reports.gate.pairing import check_comparable, episode_values, notes_of, same_results
+from reports.gate.pairing import CAP_MM, check_comparable, episode_values, notes_of, same_results
 from reports.gate.replay import replay_command
 from reports.gate.statistics import Difference, clustered_bootstrap, holm, mcnemar, sign_flip
 from reports.gate.verdict import (
@@ -25,6 +26,7 @@ from reports.gate.verdict import (
 )
 from reports.run.failures import failures_of
 from reports.run.load import SavedRun
+from reports.summary.text import count
 
 ALPHA = 0.05
 BUDGET = 0.05  # share of episodes that the base may lack results of
@@ -53,7 +55,7 @@ def compare(
     metrics = with_margins(margins or {})
     before, after = episode_values(base), episode_values(new)
     known = ~before["failed"].to_numpy(dtype=bool)
-    _check_base_results(base, known)
+    check_base(base, before)
     alpha = ALPHA / looks
     rng = np.random.default_rng(seed)
     judged: list[MetricVerdict] = []
@@ -63,7 +65,8 @@ def compare(
         old, now = before[rows], after[rows]
         difference, p = _difference(metric, old, now, rng, alpha)
         was, is_now = _typical(metric, old), _typical(metric, now)
-        judged.append(MetricVerdict(metric, "pass", was, is_now, difference, p))
+        capped = _capped(metric, old, now)
+        judged.append(MetricVerdict(metric, "pass", was, is_now, difference, p, capped))
         p_values += [] if metric.counted else [p]
     adjusted = iter(holm(p_values))
     judged = [m if m.metric.counted else replace(m, p=next(adjusted)) for m in judged]
@@ -81,6 +84,7 @@ def compare(
         groups=_groups(judged, before, after, known),
         worst=_worst(before, after, new.meta),
         notes=notes_of(base, new),
+        advice=advice_of(base, new, judged, alpha),
     )
 
 
@@ -98,7 +102,18 @@ def _changes(metric: Metric, before: pd.DataFrame, after: pd.DataFrame) -> Float
     return np.asarray(np.clip(now - old, least, metric.reach))
 
 
-def _check_base_results(base: SavedRun, known: np.ndarray) -> None:
+def _capped(metric: Metric, before: pd.DataFrame, after: pd.DataFrame) -> int:
+    """Episodes whose difference counts as the metric's reach."""
+    old, now = (v[metric.name].to_numpy(dtype=np.float64) for v in (before, after))
+    return int((np.abs(now - old) > metric.reach).sum())
+
+
+def check_base(base: SavedRun, values: pd.DataFrame) -> None:
+    """Raise InfrastructureError where a run lacks too many results to be compared with.
+
+    values: of its episodes (`episode_values`).
+    """
+    known = ~values["failed"].to_numpy(dtype=bool)
     absent = int((~known).sum())
     # Seeds that cannot be posed fail in both; they are no fault of the machine.
     rows = base.episodes[base.episodes["failure"] != ""]
@@ -106,7 +121,7 @@ def _check_base_results(base: SavedRun, known: np.ndarray) -> None:
     if absent == len(known) or len(broken) > BUDGET * len(known):
         first = rows.iloc[0]
         raise InfrastructureError(
-            f"{base.folder}: {absent} of {len(known)} episodes have no result, the first: "
+            f"{base.folder}: {absent} of {count(len(known), 'episode')} have no result, the first: "
             f"{first['scenario']} seed {first['seed']}: {first['failure']}; play the base again"
         )
 
@@ -127,7 +142,16 @@ def _difference(
     difference = clustered_bootstrap(
         changes, draws, before["group"].tolist(), rng, level=1.0 - alpha
     )
+    if metric.unit == "1":
+        difference = _of_shares(difference)
     return difference, mcnemar(changes, draws) if metric.event else sign_flip(changes, draws, rng)
+
+
+def _of_shares(difference: Difference) -> Difference:
+    """Without what a difference of two shares cannot be; an open end stays open."""
+    if not np.isfinite(difference.low):
+        return difference
+    return replace(difference, low=max(difference.low, -1.0), high=min(difference.high, 1.0))
 
 
 def _outcome(judged: MetricVerdict, alpha: float) -> Outcome:
@@ -158,6 +182,7 @@ def _groups(
                 base=_typical(verdict.metric, old),
                 new=_typical(verdict.metric, now),
                 difference=float(_changes(verdict.metric, old, now).mean()),
+                capped=_capped(verdict.metric, old, now),
                 episodes=int(rows.sum()),
             )
             out.append(
@@ -182,6 +207,7 @@ def _worst(
         grown = float(now["error_mm"] - old["error_mm"])
         if new_events or grown > 0:
             replay = replay_command(meta, name, seed)
-            worse.append(EpisodeDifference(name, seed, grown, new_events, replay))
+            capped = bool(now["error_mm"] >= CAP_MM)
+            worse.append(EpisodeDifference(name, seed, grown, new_events, replay, capped))
     worse.sort(key=lambda e: (-len(e.events), -e.error_mm, e.scenario, e.seed))
     return tuple(worse[:MOST_WORST])

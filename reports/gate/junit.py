@@ -6,8 +6,10 @@ import re
 from collections.abc import Sequence
 from xml.etree import ElementTree
 
-from reports.gate.text import number, unit_text
+from reports.gate.advice import advice_lines
+from reports.gate.text import cap_text, number, unit_text
 from reports.gate.verdict import GroupDifference, Verdict
+from reports.summary.text import count
 
 _UNPRINTABLE = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -45,6 +47,8 @@ def junit_xml(verdict: Verdict) -> str:
             )
             if difference.verdict != "pass":
                 message = _sentence(difference)
+                if difference.verdict == "inconclusive" and verdict.advice is not None:
+                    message += "".join(f"; {clean(s)}" for s in advice_lines(verdict.advice))
                 kind = "failure" if difference.verdict == "fail" else "skipped"
                 part = ElementTree.SubElement(
                     case, kind, {"type": difference.verdict, "message": message}
@@ -69,8 +73,8 @@ def _sentence(difference: GroupDifference) -> str:
     return (
         f"{metric.name} {difference.verdict}: {number(difference.difference, '+')}"
         f"{unit_text(metric)} an episode (margin {metric.margin:g}; {number(difference.base)} to "
-        f"{number(difference.new)}) over {difference.episodes} episodes of "
-        f"{clean(difference.group)}"
+        f"{number(difference.new)}) over {count(difference.episodes, 'episode')} of "
+        f"{clean(difference.group)}" + (f"; {capped}" if (capped := cap_text(difference)) else "")
     )
 
 

@@ -4,9 +4,18 @@ from __future__ import annotations
 
 import re
 
+from reports.gate.advice import advice_lines
 from reports.gate.junit import clean
-from reports.gate.text import interval_text, number, outcome_text, unit_text
-from reports.gate.verdict import EpisodeDifference, GroupDifference, MetricVerdict, Verdict
+from reports.gate.text import (
+    cap_text,
+    difference_text,
+    interval_text,
+    number,
+    outcome_text,
+    unit_text,
+)
+from reports.gate.verdict import Advice, EpisodeDifference, GroupDifference, MetricVerdict, Verdict
+from reports.summary.text import count
 
 MARKDOWN_LIMIT = 64_000  # bytes: forges drop longer summaries
 SYMBOLS = {"pass": "✅", "fail": "❌", "inconclusive": "❔"}
@@ -22,14 +31,22 @@ def markdown(verdict: Verdict) -> str:
     lines = [
         f"## Tracking accuracy: {SYMBOLS[verdict.verdict]} {title}",
         "",
-        f"{_code(verdict.new)} against {_code(verdict.base)}, {verdict.episodes} paired episodes.",
+        f"{_code(verdict.new)} against {_code(verdict.base)}, "
+        f"{count(verdict.episodes, 'paired episode')}.",
         "",
         f"| metric | base | new | difference ({share}) | margin | verdict |",
         "|---|---:|---:|---:|---:|---|",
         *(_metric_row(m) for m in verdict.metrics),
     ]
+    if capped := [text for m in verdict.metrics if (text := cap_text(m))]:
+        lines += ["", f"\\* {'; '.join(capped)}."]
+    if verdict.advice is not None:
+        lines += _advice(verdict.advice)
     if verdict.left_out:
-        lines += ["", f"Left out: {verdict.left_out} episodes without a result in the base."]
+        lines += [
+            "",
+            f"Left out: {count(verdict.left_out, 'episode')} without a result in the base.",
+        ]
     for note in verdict.notes:
         lines += ["", f"Note: {_code(note)}"]
     beyond = [g for g in verdict.groups if g.beyond]
@@ -56,6 +73,14 @@ def markdown(verdict: Verdict) -> str:
     return _within_limit(lines)
 
 
+def _advice(advice: Advice) -> list[str]:
+    """Why it is inconclusive, and the commands that would decide it."""
+    lines = ["", *(f"{clean(line)[:2000]}  " for line in advice_lines(advice))]
+    if advice.commands:
+        lines += ["", "```sh", *(" ".join(clean(c).split("\n")) for c in advice.commands), "```"]
+    return lines
+
+
 def _within_limit(lines: list[str]) -> str:
     """Join as many lines as a forge takes."""
     cut = "\n(cut: too long)\n"
@@ -69,7 +94,7 @@ def _within_limit(lines: list[str]) -> str:
 
 
 def _metric_row(judged: MetricVerdict) -> str:
-    difference = f"{number(judged.difference.mean, '+')} ({interval_text(judged)})"
+    difference = f"{difference_text(judged)} ({interval_text(judged)})".replace("*", "\\*")
     return (
         f"| {judged.metric.name} | {number(judged.base)} | {number(judged.new)} | "
         f"{difference}{unit_text(judged.metric)} | {judged.metric.margin:g} | "
@@ -87,8 +112,9 @@ def _group_row(difference: GroupDifference) -> str:
 
 
 def _episode_row(episode: EpisodeDifference) -> str:
+    least = "at least " if episode.capped else ""
     return (
-        f"| {_code(episode.scenario)} | {episode.seed} | {episode.error_mm:+.1f} mm | "
+        f"| {_code(episode.scenario)} | {episode.seed} | {least}{episode.error_mm:+.1f} mm | "
         f"{', '.join(episode.events) or '-'} | {_code(episode.replay) if episode.replay else '-'} |"
     )
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import BenchError, did_you_mean
 from reports.score.gospa import CUT_OFF_M
 
 REACH = 10.0  # margins; see Metric.reach
@@ -64,7 +64,7 @@ def with_margins(margins: Mapping[str, float]) -> tuple[Metric, ...]:
     known = {metric.name: metric for metric in METRICS}
     for name, margin in margins.items():
         if name not in known:
-            raise BenchError(f"no metric {name!r}; known: {', '.join(known)}")
+            raise BenchError(f"No metric {name[:60]!r}.{did_you_mean(name, known)}")
         if not (np.isfinite(margin) and margin >= 0):
             raise BenchError(f"margin of {name} must be a number of 0 or more, got {margin}")
     metrics = []

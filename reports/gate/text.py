@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from reports.gate.metrics import Metric
-from reports.gate.verdict import MetricVerdict
+from reports.gate.verdict import GroupDifference, MetricVerdict
 
 
 def outcome_text(judged: MetricVerdict) -> str:
@@ -19,6 +19,20 @@ def interval_text(judged: MetricVerdict) -> str:
     if not math.isfinite(d.low):
         return "unknown"
     return f"{number(d.low, '+')} to {number(d.high, '+')}"
+
+
+def difference_text(judged: MetricVerdict) -> str:
+    """The mean difference, without its unit; a star where some of it is capped."""
+    return number(judged.difference.mean, "+") + ("*" if judged.capped else "")
+
+
+def cap_text(judged: MetricVerdict | GroupDifference) -> str:
+    """What is capped of a difference; "" where nothing is."""
+    if not judged.capped:
+        return ""
+    n = judged.difference.n if isinstance(judged, MetricVerdict) else judged.episodes
+    reach = f"{number(judged.metric.reach)}{unit_text(judged.metric)}"
+    return f"{judged.capped} of {n} differences of {judged.metric.name} are capped at {reach}"
 
 
 def unit_text(metric: Metric) -> str:

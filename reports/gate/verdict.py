@@ -18,7 +18,8 @@ class MetricVerdict:
     """The verdict of one metric.
 
     base, new: median of the episodes, of shares the mean; difference: of the pairs, so not the one
-    of these two; p: one-sided, adjusted after Holm (1 where nothing is estimated).
+    of these two; p: one-sided, adjusted after Holm (1 where nothing is estimated); capped: episodes
+    whose difference counts as the metric's reach.
     """
 
     metric: Metric
@@ -27,6 +28,7 @@ class MetricVerdict:
     new: float
     difference: Difference
     p: float
+    capped: int = 0
 
     @property
     def better(self) -> bool:
@@ -38,8 +40,8 @@ class MetricVerdict:
 class GroupDifference:
     """How one group of scenarios differs in one metric.
 
-    base, new, difference: as in `MetricVerdict`. verdict: the metric's, where this group is beyond
-    the margin, else "pass".
+    base, new, difference, capped: as in `MetricVerdict`. verdict: the metric's, where this group
+    is beyond the margin, else "pass".
     """
 
     group: str
@@ -49,6 +51,7 @@ class GroupDifference:
     new: float
     difference: float
     episodes: int
+    capped: int = 0
 
     @property
     def beyond(self) -> bool:
@@ -60,7 +63,8 @@ class GroupDifference:
 class EpisodeDifference:
     """An episode that got worse: the growth of its error and its new events.
 
-    replay: the command that plays it again, "" where run.json does not have the request.
+    capped: whether the error grew beyond what is measured; replay: the command that plays it again,
+    "" where run.json does not have the request.
     """
 
     scenario: str
@@ -68,6 +72,22 @@ class EpisodeDifference:
     error_mm: float
     events: tuple[str, ...]
     replay: str
+    capped: bool = False
+
+
+@dataclass(frozen=True)
+class Advice:
+    """Why a verdict is inconclusive, and what would decide it.
+
+    seeds: of each scenario, in both runs, that decide each metric with the probability `power`;
+    None: no number does, or none can be told. commands: that play these seeds and compare; empty
+    where the runs' episodes cannot be played again.
+    """
+
+    reason: str
+    seeds: int | None
+    power: float | None
+    commands: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -77,7 +97,7 @@ class Verdict:
     identical: all results are the same. episodes: pairs; left_out: of these, without a
     result in the base, and so only in the metric "failed". looks: how many times the data may be
     judged; alpha: the share of false alarms allowed this time. notes: other differences between
-    the runs.
+    the runs. advice: of an inconclusive verdict.
     """
 
     base: str
@@ -92,6 +112,7 @@ class Verdict:
     groups: tuple[GroupDifference, ...]
     worst: tuple[EpisodeDifference, ...]
     notes: tuple[str, ...]
+    advice: Advice | None = None
 
 
 def worst_outcome(outcomes: Sequence[Outcome]) -> Outcome:

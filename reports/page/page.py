@@ -8,9 +8,17 @@ from pathlib import Path
 
 from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
+from reports.gate.verdict import Verdict
 from reports.page.episode_tables import EpisodeTables, Key, episode_tables
+from reports.page.gate_section import gate_section
 from reports.page.headline import headline
-from reports.page.run_entries import RunEntry, opening_entry, run_entries, worst_entries
+from reports.page.run_entries import (
+    RunEntry,
+    films_left_out,
+    opening_entry,
+    run_entries,
+    worst_entries,
+)
 from reports.page.run_report import run_report
 from reports.page.scenario_sections import scenario_sections
 from reports.page.summary_tables import group_table, scenario_table, target_table
@@ -27,15 +35,23 @@ PLAYER = (
     "player_marks.js",
     "player_schematic.js",
     "player_view.js",
+    "player_paths.js",
     "player_space.js",
+    "player_lanes.js",
     "player_curves.js",
     "worst_film.js",
+    "player_compare.js",
+    "player_address.js",
     "player_controls.js",
+    "player_keys.js",
+    "player_start.js",
 )
 
 
-def build_page(runs: Sequence[SavedRun], title: str = "") -> str:
+def build_page(runs: Sequence[SavedRun], title: str = "", verdict: Verdict | None = None) -> str:
     """Build the page of one run, or of several side by side.
+
+    verdict: the gate's on the run against a baseline, for a page of one run.
 
     Films and pictures go in as far as the byte limits of `packed_films` and `enlarged_pictures`
     allow, all else whatever its size. Raises BenchError without a run, and where a picture cannot
@@ -61,6 +77,7 @@ def build_page(runs: Sequence[SavedRun], title: str = "") -> str:
             headline(report, [e for e in entries if e.key.startswith(f"{r}-")])
             for r, report in enumerate(reports)
         ],
+        gate=gate_section(verdict, entries) if verdict is not None else None,
         groups=group_table(reports),
         scenarios=scenario_table(reports, {section.name: section.anchor for section in sections}),
         totals=[
@@ -72,16 +89,18 @@ def build_page(runs: Sequence[SavedRun], title: str = "") -> str:
         opening=opening_entry(entries),
         sections=sections,
         entries=entries,
-        films_left_out=_films_left_out(runs, entries),
+        films_left_out=films_left_out(runs, entries),
         figures=_figures(played, names, by_key),
         targets=TARGETS,
         count=count,
     )
 
 
-def write_page(runs: Sequence[SavedRun], path: Path, title: str = "") -> Path:
+def write_page(
+    runs: Sequence[SavedRun], path: Path, title: str = "", verdict: Verdict | None = None
+) -> Path:
     """Write the page and return its path. Raises BenchError where it cannot be written."""
-    return write_text(path, build_page(runs, title))
+    return write_text(path, build_page(runs, title, verdict))
 
 
 def _with_unique_names(runs: Sequence[SavedRun]) -> list[SavedRun]:
@@ -109,9 +128,3 @@ def _figures(
             entry = by_key[f"{r}-{names.index(scenario)}-{seed}"]
         figures.append((figure, entry))
     return figures
-
-
-def _films_left_out(runs: Sequence[SavedRun], entries: Sequence[RunEntry]) -> int:
-    """Count the whole films that are in a run's folder and not in the page."""
-    kept = sum(bool(film["whole"]) for run in runs for film in run.meta["films"])
-    return kept - sum(e.film is not None and e.film.whole for e in entries)

@@ -54,6 +54,15 @@ class SavedRun:
         return str(self.meta["name"])
 
     @property
+    def digests(self) -> dict[tuple[str, int], str]:
+        """The digest of each episode, by scenario and seed."""
+        return {
+            (str(scenario["name"]), int(seed)): str(digest)
+            for scenario in self.meta["scenarios"]
+            for seed, digest in zip(scenario["seeds"], scenario["digests"], strict=True)
+        }
+
+    @property
     def version(self) -> int:
         """The version of its columns."""
         return int(self.meta["schema_version"])

@@ -107,6 +107,8 @@ class Request(_Record):
     first_seed: Count
     only: list[Text]
     settings: list[Text]
+    dataset: Text | None = None
+    detections: Text | None = None
 
 
 class Provenance(_Record):

@@ -15,7 +15,9 @@ from reports.score.robustness import GOALS, Goal
 from reports.stress.failure_map import difference_map, failure_map
 from reports.stress.interval_chart import occluded_curve, speed_curves
 from reports.stress.load import StressFolder
+from reports.stress.marginal import Along, marginal
 from reports.stress.records import (
+    AxisRecord,
     CompareRecord,
     EpisodeKey,
     EstimateRecord,
@@ -147,18 +149,19 @@ def maps(folders: Sequence[PlayedFolder]) -> list[Drawing]:
 
 
 def curves(folders: Sequence[PlayedFolder]) -> list[Drawing]:
-    """The maps of one parameter as curves, and the losses over the frames hidden."""
+    """The maps as curves over each number on their axes, and the losses over the frames hidden."""
     drawings = []
     for folder in folders:
         source = folder.source.map
         if source is None:
             continue
-        for record in source.maps:
-            if record.y is None:
-                name = record.x.name.replace("_", " ")
-                chart = speed_curves(record, folder.links(record.goal))
-                title = f"{record.family}: failures over {name}"
-                drawings.append(Drawing(record.family, source.system, title, record, chart))
+        # Of two parameters last: they say less.
+        for record in sorted(source.maps, key=lambda record: record.y is not None):
+            for shown, pooled in _along_axes(record):
+                name = shown.x.name.replace("_", " ")
+                chart = speed_curves(shown, folder.links(record.goal))
+                title = f"{record.family}: failures over {name}{pooled}"
+                drawings.append(Drawing(record.family, source.system, title, shown, chart))
         hidden = _pooled(source.maps)
         if any(point.lost for point in hidden):
             chart = occluded_curve(hidden)
@@ -243,6 +246,24 @@ def _pooled(records: Sequence[MapRecord]) -> list[OccludedRecord]:
             n, lost = found.get(point.frames, (0, 0))
             found[point.frames] = n + point.n, lost + point.lost
     return [OccludedRecord(frames=f, n=n, lost=k) for f, (n, k) in sorted(found.items())]
+
+
+def _along_axes(record: MapRecord) -> list[tuple[MapRecord, str]]:
+    """The curves of a map: of two parameters, each number with the other pooled, where any failed.
+
+    With each what was pooled, in words.
+    """
+    if record.y is None:
+        return [(record, "")]
+    if not any(any(cell.failures.values()) for cell in record.cells):
+        return []
+    x, y = (axis.name.replace("_", " ") for axis in (record.x, record.y))
+    sides: tuple[tuple[Along, AxisRecord, str], ...] = (("x", record.x, y), ("y", record.y, x))
+    return [
+        (marginal(record, along), f", {other} pooled")
+        for along, axis, other in sides
+        if not axis.choices
+    ]
 
 
 def _system(source: object) -> str:

@@ -14,13 +14,11 @@ from reports.summary.tables import StageTimes, Summary, SummaryRow, time_text
 from reports.summary.text import count, number, percent
 from reports.words import ALL, LABELS
 
-WIDEST_NAME = 30  # of a scenario, in the table of scenarios
-
 
 def scenario_table(summary: Summary) -> Table:
     """A row for each scenario: errors of head and hands, and what went wrong how often."""
     table = _empty_table(summary)
-    table.add_column("scenario", overflow="fold", min_width=_name_width(summary))
+    table.add_column("scenario", no_wrap=True)
     for heading in ("n", "within\n100 mm", "head\nmm", "hands\nmm", "swapped", "lost"):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("ms a\nframe", justify="right", no_wrap=True)
@@ -47,7 +45,7 @@ def scenario_table(summary: Summary) -> Table:
 def target_table(summary: Summary) -> Table:
     """A row for each target of each scenario, and all of them together."""
     table = _empty_table(summary)
-    table.add_column("scenario,\nrender/detect/\ntrack", overflow="fold", min_width=16)
+    table.add_column("scenario,\nrender/detect/\ntrack", no_wrap=True)
     table.add_column("target", no_wrap=True)
     for heading in ("frames", "median\nmm", "90 %\nmm", "Err_acc\npx", "within\n100 mm"):
         table.add_column(heading, justify="right", no_wrap=True)
@@ -87,11 +85,6 @@ def _blocks(summary: Summary) -> list[tuple[StageTimes, list[SummaryRow]]]:
     if len(blocks) != 1:
         blocks.append((summary.total_times, list(summary.total)))
     return blocks
-
-
-def _name_width(summary: Summary) -> int:
-    """Names are whole up to the width that eighty columns leave."""
-    return min(max([len(name) for name in (*summary.scenarios, ALL)]), WIDEST_NAME)
 
 
 def _lag_text(summary: Summary) -> str:

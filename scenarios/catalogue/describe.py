@@ -7,6 +7,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from rich.console import Console
 from rich.table import Table
 
+from reports.summary.plain_table import plain_table
+from reports.summary.text import count
+from scenarios.console.tables import print_table
 from scenarios.spec.draw import concrete, perform
 from scenarios.spec.names import resolve, scenarios_of
 from scenarios.spec.parameters.choice import Choice
@@ -32,17 +35,15 @@ def print_description(name: str, seed: int, overrides: Mapping[str, str] | None 
 
 def _print(lines: Iterable[str], table: Table) -> None:
     console = Console()
-    # A pipe has no width: the table is kept whole there.
-    console = console if console.is_terminal else Console(width=120)
     for line in lines:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
-    console.print(table)
+    print_table(table, console)
 
 
 def _scenario_table(scenario: Scenario, seed: int, overrides: Mapping[str, str]) -> Table:
     redrawn = perform(scenario, seed, overrides).redrawn
     values = concrete(scenario, seed, overrides, redrawn)
-    table = Table(box=None, pad_edge=False)
+    table = plain_table()
     for column in ("parameter", "unit", "range", "nominal", f"seed {seed}", "meaning"):
         table.add_column(column, overflow="fold")
     for key, parameter in scenario.parameters.items():
@@ -56,13 +57,13 @@ def _suite_head(suite: Suite) -> Iterator[str]:
     members = {scenario.name: scenario for _, scenario in scenarios_of(suite)}
     yield f"{suite.name} (suite, version {suite.version})"
     yield suite.summary
-    yield f"{len(suite.scenarios)} entries, {suite.seeds} seeds each unless the entry says"
+    yield f"{len(suite.scenarios)} entries, {count(suite.seeds, 'seed')} each unless the entry says"
     yield f"digest: {suite_digest(suite, members)}"
     yield ""
 
 
 def _suite_table(suite: Suite) -> Table:
-    table = Table(box=None, pad_edge=False)
+    table = plain_table()
     for column in ("entry", "scenario", "version", "frames", "seeds"):
         table.add_column(column, no_wrap=True)
     table.add_column("set", overflow="fold")
@@ -87,7 +88,7 @@ def _scenario_head(scenario: Scenario) -> Iterator[str]:
     yield scenario.summary
     if scenario.thesis:
         yield f"thesis: {scenario.thesis}"
-    length = f"{scenario.frames} frames at {scenario.fps:g} a second"
+    length = f"{count(scenario.frames, 'frame')} at {scenario.fps:g} a second"
     if scenario.rates:
         rates = ", ".join(f"{rate:g}" for rate in scenario.rates)
         length = f"{scenario.frames / scenario.fps:g} s at {rates} frames a second each"

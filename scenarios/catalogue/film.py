@@ -8,16 +8,16 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from rich.console import Console
 
 from pjpdaf.arrays import Image
 from pjpdaf.errors import BenchError, InfrastructureError
 from reports.pictures.contact_sheet import contact_sheet
 from reports.pictures.film import FilmWriter, film_suffix
 from reports.pictures.truth_overlay import truth_picture
+from reports.summary.text import count
 from scenarios.catalogue.frame_choice import representative_frames, truths_without_pictures
 from scenarios.console.interrupts import unwritten_if_interrupted
-from scenarios.console.progress import progress_bar
+from scenarios.console.progress import progress
 from scenarios.play.settings import read_scenario_settings
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
@@ -25,6 +25,7 @@ from sim.files import disk_faults, written_whole_file
 from sim.labels import centres
 from sim.script import Performance
 from sim.sequence import RenderedFrame, Simulation
+from sim.steps import counted
 
 MP4, PNG = ".mp4", ".png"
 SHEET_FRAMES, SHEET_COLUMNS, SHEET_WIDTH_PX = 12, 2, 900
@@ -63,7 +64,8 @@ def film_scenario(request: FilmRequest) -> str:
     with unwritten_if_interrupted(request.film), written_whole_file(request.film, kind) as part:
         if suffix == MP4:
             _film(performance, indices, part, title)
-            return f"film: {request.film} ({len(indices)} frames at {performance.fps:g} a second)"
+            frames = count(len(indices), "frame")
+            return f"film: {request.film} ({frames} at {performance.fps:g} a second)"
         chosen = _sheet(performance, indices, part, title)
         return f"sheet: {request.film} (frames {', '.join(map(str, chosen))})"
 
@@ -106,30 +108,25 @@ def _performance(request: FilmRequest) -> Performance:
 
 
 def _film(performance: Performance, indices: range, part: Path, title: str) -> None:
-    console = Console(stderr=True)
     with (
-        progress_bar(console) as progress,
+        progress() as meter,
         Simulation(performance) as simulation,
         closing(FilmWriter(part.parent, part.stem, performance.fps)) as film,
     ):
-        for index in progress.track(indices, description="filming"):
+        meter.begin("filming", len(indices))
+        for index in counted(indices):
             film.add(draw_truth(simulation.render(index), simulation, title))
 
 
 def _sheet(performance: Performance, indices: range, part: Path, title: str) -> list[int]:
     """Write the sheet; returns the numbers of the frames on it."""
-    console = Console(stderr=True)
-    with progress_bar(console) as progress, Simulation(performance) as simulation:
-        truths = list(
-            progress.track(
-                truths_without_pictures(performance, indices),
-                total=len(indices),
-                description="looking",
-            )
-        )
+    with progress() as meter, Simulation(performance) as simulation:
+        meter.begin("looking", len(indices))
+        truths = list(counted(truths_without_pictures(performance, indices)))
         chosen = [truths[i].index for i in representative_frames(truths, SHEET_FRAMES)]
         pictures = []
-        for index in progress.track(chosen, description="drawing"):
+        meter.begin("drawing", len(chosen))
+        for index in counted(chosen):
             picture = draw_truth(simulation.render(index), simulation, title)
             height = round(picture.shape[0] * SHEET_WIDTH_PX / picture.shape[1])
             small = cv2.resize(picture, (SHEET_WIDTH_PX, height), interpolation=cv2.INTER_AREA)

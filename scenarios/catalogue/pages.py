@@ -19,7 +19,7 @@ from reports.page.catalogue import (
     catalogue_page,
 )
 from reports.pictures.contact_sheet import small_jpeg
-from reports.run.provenance import provenance
+from reports.run.provenance import versions
 from scenarios.catalogue.pictures import draw_scenarios
 from scenarios.catalogue.scenario_picture import ScenarioPicture
 from scenarios.console.folder import unfinished
@@ -56,8 +56,9 @@ def write_catalogue(html: Path | None, markdown: Path | None, workers: int) -> l
         check_replaceable(path)
     scenarios = sorted(map(load_scenario, scenario_names()), key=_order)
     part = unfinished(paths[0])
+    pool = WorkerPool(min(workers, len(scenarios)), modules=(draw_scenarios.__module__,))
     # While pages are written, signals are only counted.
-    with interrupts(), WorkerPool(min(workers, len(scenarios))) as pool, ExitStack() as opened:
+    with interrupts(), pool, ExitStack() as opened:
         with unwritten_if_interrupted(paths[0], "; the same command goes on"):
             identity = catalogue_identity(pool.renderer())
             journal = opened.enter_context(Journal.open(part, identity))
@@ -73,7 +74,7 @@ def write_catalogue(html: Path | None, markdown: Path | None, workers: int) -> l
 
 def catalogue_identity(renderer: str) -> str:
     """What decides the pictures beside their scenarios: renderer, our code, libraries."""
-    return json.dumps(["catalogue", renderer, code_digest(), provenance()["versions"]])
+    return json.dumps(["catalogue", renderer, code_digest(), versions()])
 
 
 def _write_pages(

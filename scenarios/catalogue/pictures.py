@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import suppress
 
-from rich.console import Console
-
 from pjpdaf.errors import BenchError, InfrastructureError
 from reports.pictures.overlay import LETTERS
 from reports.pictures.truth_overlay import merged_text, thumbnail
@@ -15,7 +13,7 @@ from scenarios.catalogue.film import target_labels
 from scenarios.catalogue.frame_choice import hardest_frame, truths_without_pictures
 from scenarios.catalogue.scenario_picture import ScenarioPicture
 from scenarios.catalogue.stored_picture import picture_from_bytes, picture_to_bytes
-from scenarios.console.progress import progress_bar
+from scenarios.console.progress import progress
 from scenarios.execute.journal import Journal
 from scenarios.spec.draw import perform
 from scenarios.spec.scenario import Scenario, digest
@@ -41,15 +39,15 @@ def draw_scenarios(
     """
     pictures = {} if journal is None else _kept_pictures(scenarios, journal)
     tasks = {index: one for index, one in enumerate(scenarios) if index not in pictures}
-    with progress_bar(Console(stderr=True)) as progress:
-        task = progress.add_task("starting", total=len(scenarios), completed=len(pictures))
+    with progress() as meter:
+        meter.begin("drawing", len(scenarios), "scenario", finished=len(pictures))
         for ended in pool.outcomes(_draw_or_fault, tasks, TIME_LIMIT_S):
             if ended is not None:
                 index, outcome = ended
                 pictures[index] = _unpack(scenarios[index], outcome)
                 if journal is not None:
                     journal.append(digest(scenarios[index]), picture_to_bytes(pictures[index]))
-                progress.update(task, advance=1, description=scenarios[index].name)
+                meter.finish(1, scenarios[index].name)
     return [pictures[index] for index in range(len(scenarios))]
 
 

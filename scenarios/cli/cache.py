@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import typer
 
+from scenarios.cli.help import SentenceGroup
+
 app = typer.Typer(
+    cls=SentenceGroup,
     help="Rendered footage, kept so that it is rendered once. PJPDAF_BENCH_CACHE: its folder, or "
     "off; PJPDAF_BENCH_CACHE_GB: its largest size [5].",
     no_args_is_help=True,

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from pjpdaf.errors import BenchError
+from scenarios.cli.help import SentenceGroup
 from scenarios.cli.options import (
     Cluster,
     DatasetFolder,
@@ -18,7 +19,7 @@ from scenarios.cli.options import (
     Targets,
 )
 
-app = typer.Typer(help="Labelled stereo data sets.", no_args_is_help=True)
+app = typer.Typer(cls=SentenceGroup, help="Labelled stereo data sets.", no_args_is_help=True)
 
 
 @app.command()
@@ -119,7 +120,7 @@ def show(
     folder: DatasetFolder,
     out: Annotated[
         Path | None,
-        typer.Option(help="New folder for both, or a .png or .html file [NAME-show]."),
+        typer.Option(help="New folder for both, or a .png or .html file [DIR-show]."),
     ] = None,
     sequence: Annotated[int | None, typer.Option(min=0, help="Only this sequence.")] = None,
     rerun: Annotated[
@@ -162,6 +163,7 @@ def parse_formats(text: str | None, labels: Collection[str]) -> tuple[str, ...]:
 
     Raises BenchError for an unknown format, or a format whose label is missing.
     """
+    from scenarios.spec.suggestion import suggestion
     from sim.dataset.files.layout import EXPORTS
 
     if text is None:
@@ -171,7 +173,8 @@ def parse_formats(text: str | None, labels: Collection[str]) -> tuple[str, ...]:
         return ()
     for name in named:
         if name not in EXPORTS:
-            raise BenchError(f"--export {name[:40]}: must be of {', '.join(EXPORTS)}; or none")
+            hint = suggestion(name, (*EXPORTS, "none"))
+            raise BenchError(f"--export {name[:40]}: no such format{hint}")
     if "coco" in named and "seg" not in labels:
         raise BenchError("--export coco: its masks are made of the label seg, which is left out")
     return tuple(name for name in EXPORTS if name in named)

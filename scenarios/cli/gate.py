@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from scenarios.cli.help import SentenceGroup
 from scenarios.cli.options import RunFolder
 
 
@@ -63,13 +64,30 @@ def compare(
     )
 
 
-def baseline(
-    run_folder: RunFolder,
-    out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder of the slim copy.")],
-    replace: Annotated[bool, typer.Option("--replace", help="A run may lie there.")] = False,
-) -> None:
-    """Copy only the part of a saved run that `compare` needs, small enough for git."""
-    from reports.run.load import load
-    from reports.run.save import save_slim
+baseline = typer.Typer(
+    cls=SentenceGroup,
+    help="Accepted runs, which later runs are compared with; small enough for git.",
+    no_args_is_help=True,
+)
 
-    typer.echo(f"baseline: {save_slim(load(run_folder), out, force=replace)}")
+
+@baseline.callback()
+def _baseline() -> None:
+    pass  # without it a group of a single verb is that verb
+
+
+@baseline.command()
+def accept(
+    run_folder: RunFolder,
+    out: Annotated[
+        Path | None,
+        typer.Argument(metavar="DIR", help="Folder of the baseline [baselines/NAME]."),
+    ] = None,
+) -> None:
+    """Accept a run: put what `compare` needs of it in the place of the baseline before.
+
+    Says what has changed since the baseline before. The folder is replaced as a whole.
+    """
+    from scenarios.run.accept import AcceptRequest, accept_baseline
+
+    accept_baseline(AcceptRequest(run_folder, out))

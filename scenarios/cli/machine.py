@@ -37,9 +37,10 @@ def examine_machine() -> list[Finding]:
 
 
 def _python() -> Finding:
-    good = sys.version_info >= (3, 11)
+    good, cores = sys.version_info >= (3, 11), os.cpu_count()
     remedy = "" if good else "install Python 3.11 or newer"
-    state = f"{platform.python_version()} on {platform.platform()}, {os.cpu_count()} cores"
+    listed = "1 core" if cores == 1 else f"{cores} cores"
+    state = f"{platform.python_version()} on {platform.platform()}, {listed}"
     return Finding("Python", good, state, remedy)
 
 

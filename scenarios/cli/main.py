@@ -25,12 +25,15 @@ from scenarios.cli import (
     stress,
     stress_maps,
 )
+from scenarios.cli.help import CONTEXT, SentenceGroup
 from scenarios.cli.streams import discard_output, surviving_readers
 
 DEBUG = "--debug"
 
 app = typer.Typer(
     name="pjpdaf-bench",
+    cls=SentenceGroup,
+    context_settings=CONTEXT,
     help="Render a seated person from two calibrated cameras, track head and both hands in 3-D, "
     "and score the result against the exact truth.",
     no_args_is_help=True,
@@ -40,8 +43,8 @@ app = typer.Typer(
 )
 for verb in (
     run.run,
+    run.merge,
     gate.compare,
-    gate.baseline,
     run.report,
     run.score,
     footage.track,
@@ -49,6 +52,7 @@ for verb in (
     doctor.doctor,
 ):
     app.command()(verb)
+app.add_typer(gate.baseline, name="baseline")
 app.add_typer(scenarios.app, name="scenarios")
 app.add_typer(plugin.app, name="plugin")
 app.add_typer(dataset.app, name="dataset")

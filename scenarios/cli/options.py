@@ -12,7 +12,7 @@ from pjpdaf.layouts import LAYOUTS, Layout
 
 Targets = Annotated[
     list[str] | None,
-    typer.Argument(metavar="[SCENARIO|SUITE]...", help="Names, or YAML files."),
+    typer.Argument(metavar="SCENARIO|SUITE", help="Names, or YAML files."),
 ]
 RunFolder = Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a saved run.")]
 DatasetFolder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a data set.")]
@@ -78,7 +78,9 @@ def read_layout(text: str) -> Layout:
     for layout in LAYOUTS:
         if text == layout:
             return layout
-    raise BenchError(f"--stereo must be one of {', '.join(LAYOUTS)}, got {text!r}")
+    from scenarios.spec.suggestion import suggestion
+
+    raise BenchError(f"--stereo {text[:40]}: no such layout{suggestion(text, LAYOUTS)}")
 
 
 def refuse_both_detectors(detections: Path | None, detector: str | None) -> None:

@@ -6,7 +6,11 @@ from typing import Annotated
 
 import typer
 
-app = typer.Typer(help="Trackers and detectors of your own.", no_args_is_help=True)
+from scenarios.cli.help import SentenceGroup
+
+app = typer.Typer(
+    cls=SentenceGroup, help="Trackers and detectors of your own.", no_args_is_help=True
+)
 
 
 @app.command("check")

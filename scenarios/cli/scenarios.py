@@ -8,9 +8,10 @@ from typing import Annotated
 import typer
 
 from pjpdaf.errors import BenchError
+from scenarios.cli.help import SentenceGroup
 from scenarios.cli.options import ScenarioSettings
 
-app = typer.Typer(help="The catalogue of scenarios.", no_args_is_help=True)
+app = typer.Typer(cls=SentenceGroup, help="The catalogue of scenarios.", no_args_is_help=True)
 
 
 @app.command("list")
@@ -29,9 +30,11 @@ def list_catalogue(
 ) -> None:
     """All shipped scenarios and suites: group, frames x frames a second, T if from the thesis."""
     if html is None and markdown is None:
-        from scenarios.catalogue.list_text import catalogue_lines
+        from shutil import get_terminal_size
 
-        for line in catalogue_lines():
+        from scenarios.catalogue.list_text import WIDTH, catalogue_lines
+
+        for line in catalogue_lines(get_terminal_size((WIDTH, 24)).columns):
             typer.echo(line)
         return
     from scenarios.catalogue.pages import write_catalogue
@@ -78,7 +81,7 @@ def show(
 @app.command("measure")
 def measure(
     names: Annotated[
-        list[str] | None, typer.Argument(metavar="[SCENARIO]...", help="Names, or YAML files.")
+        list[str] | None, typer.Argument(metavar="SCENARIO", help="Names, or YAML files.")
     ] = None,
     seeds: Annotated[int, typer.Option(help="Draws of each scenario, seeds 0 to N-1.")] = 3,
 ) -> None:
@@ -86,28 +89,30 @@ def measure(
 
     Without a name: the whole catalogue. Exit code 1 if a limit is passed.
     """
-    from rich.console import Console
-
     from scenarios.catalogue.survey import survey_scenario
     from scenarios.catalogue.survey_table import survey_table
+    from scenarios.console.progress import progress
+    from scenarios.console.tables import print_table
     from scenarios.spec.names import load_scenario, scenario_names
+    from sim.steps import counted
 
     if not 1 <= seeds <= 1000:
         raise BenchError(f"--seeds must be between 1 and 1000, got {seeds}")
-    surveys = [survey_scenario(load_scenario(n), range(seeds)) for n in names or scenario_names()]
-    console = Console()
-    # A pipe has no width: the table is kept whole there.
-    console = console if console.is_terminal else Console(width=140)
-    console.print(survey_table(surveys))
+    scenarios = [load_scenario(name) for name in names or scenario_names()]
+    with progress() as meter:
+        meter.begin("measuring", len(scenarios), "scenario")
+        surveys = [survey_scenario(one, range(seeds)) for one in counted(scenarios)]
+    print_table(survey_table(surveys))
     if any(survey.faults for survey in surveys):
         raise typer.Exit(1)
 
 
 @app.command("validate")
 def validate(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Scenario files.")],
+    files: Annotated[list[Path], typer.Argument(metavar="FILE", help="Scenario files.")],
 ) -> None:
     """Check scenario files; every fault with its line and column. Exit code 2 if there is any."""
+    from reports.summary.text import count
     from scenarios.spec.loader import load_scenario_file
 
     faulty = False
@@ -118,7 +123,9 @@ def validate(
             typer.echo(str(fault), err=True)
             faulty = True
         else:
-            typer.echo(f"{file}: ok ({scenario.name}, {len(scenario.parameters)} parameters)")
+            typer.echo(
+                f"{file}: ok ({scenario.name}, {count(len(scenario.parameters), 'parameter')})"
+            )
     if faulty:
         raise typer.Exit(2)
 

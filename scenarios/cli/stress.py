@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from typer.core import TyperGroup
 
 from pjpdaf.errors import BenchError
 from pjpdaf.presets.names import DEFAULT_PRESET
+from scenarios.cli.help import SentenceGroup
 from scenarios.cli.options import Cluster, Jobs, PlugInName, PresetName
 
 if TYPE_CHECKING:  # the verbs import it when they run: `--help` is quick
@@ -19,7 +19,7 @@ if TYPE_CHECKING:  # the verbs import it when they run: `--help` is quick
 _VERBS = ("promote",)  # may also stand before the case
 
 
-class TargetFirst(TyperGroup):
+class TargetFirst(SentenceGroup):
     """`stress FAMILY VERB`; `stress promote CASE` as well."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -68,7 +68,10 @@ def _target(
     ctx: typer.Context,
     target: Annotated[
         str,
-        typer.Argument(metavar="FAMILY[,FAMILY...]|all|CASE.yaml", help="What to stress."),
+        typer.Argument(
+            metavar="FAMILY|all|CASE.yaml",
+            help="What to stress: families with commas between them, or a case.",
+        ),
     ],
 ) -> None:
     ctx.obj = target

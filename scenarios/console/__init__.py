@@ -1,1 +1,1 @@
-"""Progress, interrupts and output folders of the long verbs."""
+"""Progress, tables, interrupts and output folders of the verbs."""

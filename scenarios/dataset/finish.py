@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from pjpdaf.errors import BenchError
 from reports.dataset.card import write_card
 from scenarios.console.interrupts import interrupts
+from scenarios.console.progress import progress
 from scenarios.dataset.folder import only_process
 from scenarios.dataset.rays import compare_with_rays
 from sim.dataset.croissant import CROISSANT, croissant_record
@@ -24,12 +26,18 @@ from sim.dataset.reader import Dataset, open_dataset
 from sim.dataset.statistics import statistics_of
 from sim.files import disk_faults, part_folder, written_whole_file
 
+BeginPart = Callable[[str, int | None], object]  # a part of the work and its frames, if known
 RAY_FRAMES = 4  # of a data set, compared with rays for its card
 
 
-def write_exports(dataset: Dataset, exports: Sequence[str]) -> list[Path]:
+def write_exports(dataset: Dataset, exports: Sequence[str], begin: BeginPart) -> list[Path]:
     """Write the data set in other formats; returns the files. Raises BenchError."""
-    return [path for name in exports for path in EXPORTS[name](dataset, dataset.folder)]
+    frames = sum(replace(sequence).frame_count for sequence in dataset.sequences)
+    files = []
+    for name in exports:
+        begin(f"export {name}", frames)
+        files += EXPORTS[name](dataset, dataset.folder)
+    return files
 
 
 def write_calibration(dataset: Dataset) -> None:
@@ -76,16 +84,20 @@ def finish_dataset(
     made_with: Mapping[str, Any],
     exports: Sequence[str],
     command: Sequence[str],
+    begin: BeginPart,
 ) -> None:
     """Write everything that is made from the finished sequences.
 
-    A few frames are compared with rays, and the card shows the result. The manifest becomes
-    complete, and is summed, last.
+    begin: called as each part of the work begins. A few frames are compared with rays, and the card
+    shows the result. The manifest becomes complete, and is summed, last.
     """
     write_manifest(out, manifest_record(entries, settings, made_with, False, command))
     dataset = open_dataset(out)
-    write_exports(dataset, exports)
-    write_top(dataset, command, compare_with_rays(out, RAY_FRAMES).figures)
+    write_exports(dataset, exports, begin)
+    begin("comparing with rays", RAY_FRAMES)
+    figures = compare_with_rays(out, RAY_FRAMES).figures
+    begin("statistics and checksums", None)
+    write_top(dataset, command, figures)
     write_manifest(out, manifest_record(entries, settings, made_with, True, command))
     write_checksums(out, [entry.folder for entry in entries])
 
@@ -98,12 +110,15 @@ def export_dataset(folder: Path, exports: Sequence[str]) -> list[Path]:
     dataset = open_dataset(folder)
     if not dataset.manifest.get("complete"):
         raise BenchError(f"{folder}: is not finished; give the command that made it once more")
-    with only_process(folder), interrupts() as arrived, arrived.raising():
-        written = write_exports(dataset, exports)
+    with only_process(folder), interrupts() as arrived, arrived.raising(), progress() as meter:
+        written = write_exports(dataset, exports, meter.begin)
         # The card and Croissant list the formats.
         command = dataset.manifest.get("command")
         argv = [str(word) for word in command] if isinstance(command, list) else []
-        write_top(dataset, argv, compare_with_rays(folder, RAY_FRAMES).figures)
+        meter.begin("comparing with rays", RAY_FRAMES)
+        figures = compare_with_rays(folder, RAY_FRAMES).figures
+        meter.begin("statistics and checksums", None)
+        write_top(dataset, argv, figures)
         write_checksums(folder, [sequence.name for sequence in dataset.sequences])
     return written
 

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
-from rich.console import Console
 from rich.filesize import decimal
 
 from pjpdaf.errors import BenchError
-from reports.summary.text import count
+from reports.summary.text import count, duration
 from scenarios.console.interrupts import Interrupted, interrupts
+from scenarios.console.progress import Meter, progress
 from scenarios.dataset.finish import finish_dataset
 from scenarios.dataset.folder import (
     check_same_dataset,
@@ -21,7 +21,7 @@ from scenarios.dataset.folder import (
     only_process,
     remove_leftovers,
 )
-from scenarios.dataset.progress import MakeProgress
+from scenarios.dataset.forecast import forecast, refuse_without_room, try_sequences
 from scenarios.dataset.sequence_plan import (
     MakeRequest,
     plan_recipes,
@@ -30,12 +30,14 @@ from scenarios.dataset.sequence_plan import (
 )
 from scenarios.dataset.sequence_task import SequenceTask, library_versions, make_sequences
 from scenarios.execute.executor import ClusterFault, Executor
-from scenarios.execute.place import executor_at, place_of
+from scenarios.execute.place import Place, executor_at, place_of
+from scenarios.play.recipe import Recipe
 from sim.dataset.files.layout import (
     MANIFEST,
     PART,
 )
 from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
+from sim.dataset.writer import Written
 from sim.files import disk_faults
 
 # A worker is replaced after this many sequences: whatever a driver leaks goes with it.
@@ -54,7 +56,6 @@ def make_dataset(request: MakeRequest, workers: Executor | None = None) -> None:
     settings = {**request.labels.record(), "ladder": request.ladder}
     entries = [sequence_entry(index, recipe) for index, recipe in enumerate(recipes)]
     command = repeat_command(request)
-    console = Console(stderr=True)
     with disk_faults(out, "the data set"):
         out.mkdir(parents=True, exist_ok=True)
     with only_process(out), interrupts() as arrived, arrived.raising():
@@ -81,14 +82,16 @@ def make_dataset(request: MakeRequest, workers: Executor | None = None) -> None:
                     if not (out / entry.folder).is_dir()
                 }
                 frames = sum(entries[index].frames for index in tasks)
+                _state_expected(executor, out, recipes, tasks, request.exports, place)
                 started = time.perf_counter()
-                with MakeProgress(console, tasks, frames) as progress:
-                    written = make_sequences(
-                        executor, tasks, progress.step, apart=bool(place.scheduler)
-                    )
+                with progress(running=executor.running_steps) as meter:
+                    written = _make_all(executor, tasks, meter, apart=bool(place.scheduler))
             remove_leftovers(out)  # of workers that were killed
             wall_s = time.perf_counter() - started
-            finish_dataset(out, entries, settings, made_with, request.exports, command)
+            with progress() as meter:
+                finish_dataset(
+                    out, entries, settings, made_with, request.exports, command, meter.begin
+                )
         except KeyboardInterrupt:
             remove_leftovers(out)
             raise Interrupted(f"interrupted: {_finished(out, entries)}") from None
@@ -106,6 +109,52 @@ def make_dataset(request: MakeRequest, workers: Executor | None = None) -> None:
     print(f"data set: {request.out}")
 
 
+def _state_expected(
+    executor: Executor,
+    out: Path,
+    recipes: Sequence[Recipe],
+    tasks: Mapping[int, SequenceTask],
+    exports: Sequence[str],
+    place: Place,
+) -> None:
+    """Print the expected size and time of what is to be made, unless that is little.
+
+    Raises InfrastructureError where the disk has not enough room.
+    """
+    missing = {index: recipes[index] for index in tasks}
+    with progress() as meter:
+        meter.begin("making a few frames, to tell size and time", None)
+        expected = forecast(
+            try_sequences(executor, missing), missing, recipes, exports, place.workers or 1
+        )
+    if expected is None:
+        return
+    free = refuse_without_room(expected, out)
+    exported = f" ({decimal(expected.exports)} of it exports)" if expected.exports else ""
+    print(
+        f"expected: about {decimal(expected.size)}{exported} in {duration(expected.seconds)}"
+        f"{'' if place.workers else ' of one worker'}; the disk has {decimal(free)} left",
+        flush=True,
+    )
+
+
+def _make_all(
+    executor: Executor, tasks: Mapping[int, SequenceTask], meter: Meter, apart: bool
+) -> list[Written]:
+    done: list[Written] = []
+
+    def doing() -> str:
+        size = f", {decimal(sum(sequence.bytes for sequence in done))}" if done else ""
+        return f"{len(done)}/{count(len(tasks), 'sequence')}{size}"
+
+    def on_done(written: Written) -> None:
+        done.append(written)
+        meter.finish(written.frames, doing())
+
+    meter.begin(doing(), sum(task.recipe.job.frames for task in tasks.values()))
+    return make_sequences(executor, tasks, on_done, apart=apart)
+
+
 def _only(renderers: Collection[str]) -> str:
     """The renderer of all workers. Raises BenchError where they differ."""
     if len(renderers) > 1:
@@ -118,4 +167,4 @@ def _only(renderers: Collection[str]) -> str:
 
 def _finished(out: Path, entries: Sequence[SequenceEntry]) -> str:
     done = sum((out / entry.folder).is_dir() for entry in entries)
-    return f"{done} of {len(entries)} sequences are in {out}; the same command goes on"
+    return f"{done} of {count(len(entries), 'sequence')} are in {out}; the same command goes on"

@@ -85,6 +85,6 @@ def sequence_entry(index: int, recipe: Recipe) -> SequenceEntry:
         seed=job.seed,
         rung=recipe.rung,
         digest=digest_of(job),
-        frames=int(setting_of(job.scenario, job.overrides, "frames")),
+        frames=job.frames,
         fps=setting_of(job.scenario, job.overrides, "fps"),
     )

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.plugins.registry import describe_exception
-from reports.run.provenance import PACKAGES, provenance
+from reports.run.provenance import PACKAGES, versions
 from scenarios.dataset.folder import locked
 from scenarios.dataset.sequence_plan import sequence_entry
 from scenarios.execute.executor import Executor
@@ -25,6 +25,7 @@ from sim.dataset.writer import Written, write_sequence
 from sim.files import disk_faults
 from sim.processes import Answer, Lost
 from sim.sequence import Simulation
+from sim.steps import step
 
 R = TypeVar("R")
 TIME_LIMIT_S = 24 * 3600.0  # of one sequence; no code of the user runs in it
@@ -49,8 +50,7 @@ class SentSequence:
 
 def library_versions() -> dict[str, str]:
     """Versions of the packages on which the bytes of a data set depend."""
-    installed = provenance()["versions"]
-    assert isinstance(installed, dict)
+    installed = versions()
     wanted = ("mujoco", "numpy", "opencv-python-headless", "pjpdaf-bench", "scipy", "pyarrow")
     return {name: installed[name] for name in wanted if name in PACKAGES}
 
@@ -58,15 +58,15 @@ def library_versions() -> dict[str, str]:
 def make_sequences(
     executor: Executor,
     tasks: Mapping[int, SequenceTask],
-    on_poll: Callable[[int, int], None],
+    on_done: Callable[[Written], None],
     *,
     apart: bool = False,
 ) -> list[Written]:
     """Make the sequences on an executor.
 
-    on_poll: called with the number of finished sequences and their bytes. apart: its processes may
-    have other disks; then they send the files, which are written here. Raises the BenchError of the
-    first that fails; the others are ended then.
+    on_done: called with each that is finished. apart: its processes may have other disks; then they
+    send the files, which are written here. Raises the BenchError of the first that fails; the
+    others are ended then.
     """
     written: list[Written] = []
     make: Callable[[SequenceTask], Any] = _make_and_send if apart else _make_sequence
@@ -74,7 +74,7 @@ def make_sequences(
         if ended is not None:
             index, outcome = ended
             written.append(_written(tasks[index], outcome))
-        on_poll(len(written), sum(sequence.bytes for sequence in written))
+            on_done(written[-1])
     return written
 
 
@@ -158,7 +158,8 @@ def write_recipe(recipe: Recipe, folder: Path) -> Written:
         shutil.copyfile(file.path, folder / FILES / stored_name(file))
     with Simulation(performance) as simulation:
         record = recipe.record(performance.redrawn)
-        return write_sequence(simulation, folder, recipe.settings.labels, record)
+        labels = recipe.settings.labels
+        return write_sequence(simulation, folder, labels, record, lambda frame: step())
 
 
 def _written(task: SequenceTask, outcome: Answer[Any] | Lost) -> Written:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 
 from pjpdaf.errors import BenchError
 from reports.dataset.page import dataset_page
@@ -18,7 +17,7 @@ from reports.pictures.encode import png_of
 from reports.summary.text import count
 from scenarios.catalogue.frame_choice import representative_frames
 from scenarios.console.interrupts import unwritten_if_interrupted
-from scenarios.console.progress import progress_bar
+from scenarios.console.progress import progress
 from sim.dataset.reader import Dataset, open_dataset
 from sim.dataset.statistics import statistics_of
 from sim.dataset.stored_sequence import StoredSequence
@@ -45,9 +44,9 @@ class ShowDatasetRequest:
 def show_dataset(request: ShowDatasetRequest) -> str:
     """Write sheet, page or recording; returns a line for each file.
 
-    Without `out` and `rerun`: sheet and page in a new folder NAME-show here. Raises BenchError for
-    a data set that cannot be shown or a file that cannot be written, InfrastructureError where the
-    disk is full or Rerun is not installed, Interrupted.
+    Without `out` and `rerun`: sheet and page in a new folder NAME-show beside the data set. Raises
+    BenchError for a data set that cannot be shown or a file that cannot be written,
+    InfrastructureError where the disk is full or Rerun is not installed, Interrupted.
     """
     dataset = open_dataset(request.folder)
     sequences = _sequences(dataset, request.sequence)
@@ -90,7 +89,9 @@ def _places(request: ShowDatasetRequest) -> tuple[Path | None, Path | None]:
     if out is None:
         if request.rerun is not None:
             return None, None
-        out = Path(f"{request.folder.resolve().name}-show")
+        folder = request.folder
+        folder = folder.resolve() if folder.name in ("", "..") else folder
+        out = folder.with_name(f"{folder.name}-show")
     suffix = out.suffix.lower()
     if suffix == ".png":
         return out, None
@@ -120,7 +121,12 @@ def _write_sheet(sequences: Sequence[StoredSequence], path: Path, alone: bool) -
         places = np.linspace(0, len(sequences) - 1, min(MOST_ROWS, len(sequences)))
         picked = [sequences[i] for i in places.round().astype(int).tolist()]
         rows = [(s, representative_frames(s.truths, ROW_FRAMES)) for s in picked]
-    with written_whole_file(path, "the sheet") as part, disk_faults(path, "the sheet"):
+    with (
+        progress() as meter,
+        written_whole_file(path, "the sheet") as part,
+        disk_faults(path, "the sheet"),
+    ):
+        meter.begin("sheet", None)
         part.write_bytes(png_of(dataset_sheet(rows)))
     shown = len({sequence.name for sequence, _ in rows})
     return f"sheet: {path} ({_share(shown, len(sequences))})"
@@ -128,9 +134,9 @@ def _write_sheet(sequences: Sequence[StoredSequence], path: Path, alone: bool) -
 
 def _write_page(dataset: Dataset, sequences: Sequence[StoredSequence], path: Path) -> str:
     frames = sum(sequence.frame_count for sequence in sequences)
-    with progress_bar(Console(stderr=True)) as progress:
-        task = progress.add_task("page", total=frames)
-        shown = sequence_views(sequences, on_frame=lambda: progress.advance(task))
+    with progress() as meter:
+        meter.begin("page", frames)
+        shown = sequence_views(sequences, on_frame=meter.step)
     whole = Dataset(dataset.folder, dataset.manifest, tuple(sequences))
     title = dataset.folder.resolve().name
     if len(sequences) < len(dataset.sequences):

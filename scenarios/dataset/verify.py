@@ -6,16 +6,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import typer
-from rich.console import Console
 
 from pjpdaf.errors import BenchError
 from reports.summary.text import count
 from scenarios.console.interrupts import interrupts
-from scenarios.console.progress import progress_bar
+from scenarios.console.progress import progress
 from scenarios.dataset.check_recipes import recipe_faults
 from scenarios.dataset.rays import RayComparison, compare_with_rays
 from sim.dataset.raytruth import lines_of
+from sim.dataset.reader import open_dataset
 from sim.dataset.verify import verify
+from sim.processes import WorkerPool
 
 
 @dataclass(frozen=True)
@@ -46,22 +47,29 @@ def _verify_and_print(request: VerifyRequest) -> int:
     if request.rays < 0 or request.jobs < 1:
         raise BenchError("--rays must be 0 or more, --jobs 1 or more.")
     done: list[str] = []
-    with progress_bar(Console(stderr=True)) as progress:
-        task = progress.add_task("checking", total=None)
+    with progress() as meter, WorkerPool(request.jobs) as pool:
+        frames = _frame_counts(request.folder)
+        meter.running = pool.running_steps
+        meter.begin("checking", sum(frames.values()) or None)
 
         def on_sequence(name: str) -> None:
             done.append(name)
-            progress.update(task, advance=1, description=name)
+            meter.finish(frames.get(name, 0), f"{len(done)}/{count(len(frames), 'sequence')}")
 
         faults = verify(
-            request.folder, sums=request.sums, on_sequence=on_sequence, jobs=request.jobs
+            request.folder,
+            sums=request.sums,
+            on_sequence=on_sequence,
+            pool=pool if request.jobs > 1 else None,
         )
-    faults = sorted({*faults, *recipe_faults(request.folder, {fault.file for fault in faults})})
+        faults = sorted({*faults, *recipe_faults(request.folder, {f.file for f in faults})})
+        rays = RayComparison(None)
+        if request.rays:
+            meter.begin("comparing with rays", request.rays)
+            rays = compare_with_rays(request.folder, request.rays, {f.file for f in faults})
     for fault in faults:
         typer.echo(str(fault))
-    rays = RayComparison(None)
     if request.rays:
-        rays = compare_with_rays(request.folder, request.rays, {fault.file for fault in faults})
         for fault in rays.faults:
             typer.echo(str(fault))
         for reason in rays.refused:
@@ -72,3 +80,12 @@ def _verify_and_print(request: VerifyRequest) -> int:
     verdict = "no fault" if not number else count(number, "fault")
     typer.echo(f"{request.folder}: {count(len(done), 'sequence')}, {verdict}")
     return 1 if number else 0
+
+
+def _frame_counts(folder: Path) -> dict[str, int]:
+    """Frames by sequence, as the manifest says; none where it is damaged, which `verify` says."""
+    try:
+        sequences = open_dataset(folder).sequences
+    except BenchError:
+        return {}
+    return {s.name: n for s in sequences if isinstance(n := s.entry.get("frames"), int) and n > 0}

@@ -37,13 +37,13 @@ from sim.processes import (
     ATTEMPTS,
     POLL_S,
     SELF_TEST_LIMIT_S,
-    TERMINAL_SIGNALS,
     WORKER_ENVIRONMENT,
     Answer,
     Lost,
     describe_renderer,
     renderer_fault,
 )
+from sim.worker_server import TERMINAL_SIGNALS
 
 WORKER_WAIT_VARIABLE = "PJPDAF_BENCH_WORKER_WAIT_S"
 WORKER_WAIT_S = 60.0  # for a first worker; and for another one, where the last has gone
@@ -55,7 +55,6 @@ START_S = 300.0  # for a worker to start an isolated process and to import what 
 BATCH = 100  # tasks in one message
 AHEAD = 32  # tasks that wait at the scheduler, beside two for each thread of a worker
 _WORKER = "scenarios.execute.cluster_worker"
-_LOGGERS = ("distributed", "tornado", "asyncio", "bokeh")
 T = TypeVar("T")
 R = TypeVar("R")
 
@@ -151,6 +150,10 @@ class ClusterExecutor:
             if isinstance(outcome, Lost):
                 raise InfrastructureError(f"worker {worker}: {renderer_fault(outcome)}")
         return frozenset(o.value for o in named.values() if isinstance(o, Answer))
+
+    def running_steps(self) -> int:
+        """0: the workers of a cluster report a task when it has ended."""
+        return 0
 
     def close(self) -> None:
         """Leave the cluster: its tasks of ours are ended."""
@@ -396,12 +399,9 @@ def _local_cluster(workers: int) -> Iterator[Any]:
 @contextmanager
 def _silent_loggers() -> Iterator[None]:
     """Keep Dask's own lines from standard error: each of its faults becomes one of ours."""
-    loggers = [logging.getLogger(name) for name in _LOGGERS]
-    before = [logger.level for logger in loggers]
-    for logger in loggers:
-        logger.setLevel(logging.CRITICAL + 1)
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)  # ours are none
     try:
         yield
     finally:
-        for logger, level in zip(loggers, before, strict=True):
-            logger.setLevel(level)
+        logging.disable(before)

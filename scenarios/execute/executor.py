@@ -44,6 +44,10 @@ class Executor(Protocol):
         """
         ...
 
+    def running_steps(self) -> int:
+        """Steps, such as frames, of the tasks in progress; 0 where that is not known."""
+        ...
+
     def close(self) -> None:
         """End all processes now."""
         ...

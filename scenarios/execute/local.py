@@ -7,8 +7,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from pjpdaf.errors import BenchError
+from reports.summary.text import count
 from scenarios.execute.executor import Executor
 from sim.processes import WorkerPool
+
+PLAYED_WITH = ("scenarios.execute.episodes",)  # imported once, before workers are forked
 
 
 def worker_count(jobs: int | None) -> int:
@@ -23,7 +26,8 @@ def worker_count(jobs: int | None) -> int:
         return cores
     if not 1 <= jobs <= most:
         raise BenchError(
-            f"--jobs must be between 1 and {most}, got {jobs}; this machine has {cores} cores"
+            f"--jobs must be between 1 and {most}, got {jobs}; this machine has "
+            f"{count(cores, 'core')}"
         )
     return jobs
 
@@ -34,5 +38,5 @@ def local_executor(workers: int, tasks_per_worker: int = 0) -> Iterator[Executor
 
     tasks_per_worker: as of `WorkerPool`.
     """
-    with WorkerPool(workers, tasks_per_worker) as pool:
+    with WorkerPool(workers, tasks_per_worker, PLAYED_WITH) as pool:
         yield pool

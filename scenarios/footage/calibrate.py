@@ -8,9 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
 from pjpdaf.boards import Board
 from pjpdaf.calibrate import calibrate as calibrate_pairs
@@ -20,8 +18,11 @@ from pjpdaf.errors import BenchError
 from pjpdaf.layouts import Layout
 from pjpdaf.sources import PicturePair, open_source, picture_pairs
 from pjpdaf.stereo_solver import LENS_FLAGS
+from reports.summary.plain_table import plain_table
 from scenarios.console.folder import written_whole
-from scenarios.console.progress import progress_bar
+from scenarios.console.progress import progress
+from scenarios.console.tables import print_table
+from sim.steps import counted
 
 
 @dataclass(frozen=True)
@@ -58,16 +59,14 @@ def calibrate(request: CalibrateRequest) -> None:
             request.layout,
         )
         total = max(open_source(path).count for path in (request.left, request.right) if path)
-        with progress_bar(console) as progress:
-            task = progress.add_task("finding corners", total=total or None)
+        with progress(console) as meter:
+            meter.begin("finding corners", total or None, "pair")
 
-            def counted() -> Iterator[PicturePair]:
-                for pair in pairs:
-                    yield pair
-                    progress.update(task, advance=1)
-                progress.update(task, description="calibrating")
+            def until_solved() -> Iterator[PicturePair]:
+                yield from counted(pairs)
+                meter.begin("calibrating", None)
 
-            report = calibrate_pairs(counted(), board, part, request.coefficients)
+            report = calibrate_pairs(until_solved(), board, part, request.coefficients)
         names = [file.relative_to(part) for file in report.files]
     _print(report, Console(), request.out, names)
 
@@ -92,7 +91,7 @@ def board_of(request: CalibrateRequest) -> Board:
 
 
 def _print(report: CalibrationReport, out: Console, folder: Path, names: list[Path]) -> None:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table = plain_table()
     table.add_column("left")
     table.add_column("right")
     table.add_column("error left [px]", justify="right")
@@ -105,8 +104,7 @@ def _print(report: CalibrationReport, out: Console, folder: Path, names: list[Pa
         ]
         remark = "" if pair.used else f"dropped: {pair.reason}"
         table.add_row(Path(pair.left).name, Path(pair.right).name, *errors, remark)
-    # Not on a screen: wide enough that no reason is wrapped.
-    (out if out.is_terminal else Console(width=200)).print(table)
+    print_table(table, out)
     rig = report.rig
     lines = [
         f"{report.used} of {len(report.pairs)} pairs used; reprojection RMS: left "

@@ -19,9 +19,11 @@ from reports.footage.tracks import TrackWriter
 from reports.page.templating import write_text
 from reports.pictures.film import FilmWriter
 from reports.pictures.overlay import encode_jpeg, overlay_picture
+from reports.summary.text import count
 from scenarios.console.folder import written_whole
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
-from scenarios.console.progress import progress_bar
+from scenarios.console.progress import progress
+from scenarios.console.tables import print_table
 from scenarios.footage.learning import learn_scene
 from scenarios.footage.outputs import page_info, write_json
 from scenarios.footage.session import TrackRequest, TrackSession, prepare_session
@@ -50,16 +52,16 @@ def track(request: TrackRequest) -> None:
             write_text(part / "report.html", track_page(record, info))
             write_json(part / "track.json", session, record, info)
     out = Console()
-    out.print(status_table(record))
+    print_table(status_table(record), out)
     for line in (
         f"{record.frames} stereo frames, {record.seconds:.1f} s, "
-        f"{record.missing_pictures} pictures missing. {record.verdict()}",
+        f"{count(record.missing_pictures, 'picture')} missing. {record.verdict()}",
         f"tracks: {request.out / 'tracks.csv'}",
         f"film:   {request.out / film.name}" if film else "film:   none",
         f"report: {request.out / 'report.html'}",
     ):
         out.print(line, markup=False, highlight=False, soft_wrap=True)
-    kept = f"the first {record.frames} frames are saved in {request.out}"
+    kept = f"the first {count(record.frames, 'frame')} are saved in {request.out}"
     if fault is not None:
         raise fault.reworded(f"{str(fault).rstrip('.')}; {kept}")
     if arrived.arrived:
@@ -80,8 +82,8 @@ def _follow(
     ended_by: BenchError | None = None
     cameras = session.rig.cameras
     record = TrackRecord(1 / session.rate_hz)
-    with progress_bar(console) as progress:
-        task = progress.add_task("tracking", total=session.total)
+    with progress(console) as meter:
+        meter.begin("tracking", session.total)
         frames = itertools.takewhile(lambda _: not arrived.arrived, session.frames(warn))
         with (
             closing(TrackWriter(part, cameras)) as tracks,
@@ -94,7 +96,7 @@ def _follow(
                     tracks.add(frame.index, frame.time_s, estimates)
                     film.add(sheet)
                     record.add(frame, detections, estimates, functools.partial(encode_jpeg, sheet))
-                    progress.update(task, advance=1)
+                    meter.step()
             except BenchError as fault:
                 if record.frames == 0:
                     raise

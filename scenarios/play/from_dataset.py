@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Container, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,10 +12,12 @@ from pjpdaf.plugins.registry import make_detector
 from scenarios.play.job import Job, System
 from scenarios.play.lag import make_lagged
 from scenarios.play.recipe import read_recipe
-from scenarios.spec.suggestion import did_you_mean
+from scenarios.spec.suggestion import suggestion
 from scenarios.tables.detections import read_detections, read_min_score
 from sim.dataset.reader import Dataset, open_dataset
 from sim.dataset.stored_sequence import StoredSequence
+
+ALL_SEEDS = range(2**32)
 
 
 def open_with_sequences(folder: Path) -> Dataset:
@@ -46,12 +48,13 @@ def jobs_of_dataset(
     dataset: Dataset,
     system: System,
     only: Collection[str] = (),
+    seeds: Container[int] = ALL_SEEDS,
     *,
     pictures: bool,
     films: bool,
     detections: Path | None = None,
 ) -> list[Job]:
-    """The episodes of a data set in its order; only: of these names in the results.
+    """The episodes of a data set in its order; only, seeds: those that are chosen.
 
     pictures: keep some of the first seed of each name; films: keep all of all; detections: file or
     folder of 2-D detections in place of a detector. Raises BenchError for a recipe or detections
@@ -65,10 +68,16 @@ def jobs_of_dataset(
     names = list(dict.fromkeys(job.name for job in jobs))
     for name in only:
         if name not in names:
-            hint = did_you_mean(name, names) or ";"
-            raise BenchError(f"--only {name}: not in it{hint} there are: {', '.join(names)}")
+            raise BenchError(f"--only {name}: not in it{suggestion(name, names)}")
     check_once(dataset, ((job.name, job.seed) for job in jobs))
     jobs = [job for job in jobs if job.name in only or not only]
+    there = sorted({job.seed for job in jobs})
+    jobs = [job for job in jobs if job.seed in seeds]
+    if not jobs:
+        raise BenchError(
+            f"{dataset.folder}: no sequence has such a seed; it has {there[0]} to {there[-1]}; see "
+            "--first-seed, --seeds"
+        )
     first = {job.name: job.seed for job in sorted(jobs, key=lambda job: -job.seed)}
     # A rig may be new to a detector or tracker: each name's first is tried.
     for job in {job.name: job for job in reversed(jobs)}.values():

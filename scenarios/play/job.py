@@ -10,6 +10,7 @@ from pathlib import Path
 
 from pjpdaf.detector.external import DetectionTable
 from pjpdaf.presets.names import DEFAULT_PRESET
+from scenarios.spec.draw import setting_of
 from scenarios.spec.parameters.file import File, contents
 from scenarios.spec.scenario import Scenario, digest
 from sim.motion.stage import Value
@@ -65,6 +66,11 @@ class Job:
     def name(self) -> str:
         """Its name in the results."""
         return self.label or self.scenario.name
+
+    @property
+    def frames(self) -> int:
+        """How many frames it has."""
+        return int(setting_of(self.scenario, self.overrides, "frames"))
 
 
 def digest_of(job: Job) -> str:

@@ -17,7 +17,7 @@ from scenarios.play.targets import PlannedScenario, expand_target
 from scenarios.spec.cameras import rig_of
 from scenarios.spec.draw import SETTINGS, concrete, in_si, perform, setting_of
 from scenarios.spec.parameters.file import File
-from scenarios.spec.suggestion import did_you_mean
+from scenarios.spec.suggestion import suggestion
 from sim.contact.contact import Unposable
 from sim.scene.rig import stereo_rig
 
@@ -33,9 +33,9 @@ class PlanRequest:
     many as the suite says; only: labels of the scenarios to keep, all without; settings: `--set`
     arguments; detector, tracker: preset, entry point or module:factory; keep_pictures: of some
     frames of each scenario's first seed; keep_films: of every episode; dataset: folder of a data
-    set whose sequences are read instead of rendering `targets`; detections: file or folder of 2-D
-    detections of that data set, in place of a detector; use_cache: pictures may come from the
-    cache; lag: frames by which estimates come later.
+    set whose sequences, those of the seeds, are read instead of rendering `targets`; detections:
+    file or folder of 2-D detections of that data set, in place of a detector; use_cache: pictures
+    may come from the cache; lag: frames by which estimates come later.
     """
 
     targets: tuple[str, ...] = ()
@@ -86,7 +86,8 @@ def plan(request: PlanRequest) -> list[Job]:
     known = {key for planned in scenarios for key in planned.changeable}
     for key in settings.scenario:
         if key not in known:
-            hint = did_you_mean(key, known)
+            listed = f"pjpdaf-bench scenarios show {scenarios[0].scenario.name}"
+            hint = suggestion(key, known, listed)
             raise BenchError(f"--set {key}: no such parameter in these scenarios{hint}")
     jobs = [job for planned in scenarios for job in _jobs_of(planned, request, settings, system)]
     for job in {job.name: job for job in jobs}.values():
@@ -121,18 +122,18 @@ def _plan_of_dataset(
 ) -> list[Job]:
     """The sequences of a data set. Raises BenchError for a request that would change pictures."""
     refused = [f"--set {key}" for key in settings.scenario]
-    refused += ["--seeds"] if request.seeds is not None else []
-    refused += ["--first-seed"] if request.first_seed else []
     refused += list(request.targets)
     if refused:
         raise BenchError(
             f"{refused[0]} does not go with --from: a data set's sequences are as they were made; "
-            "--only NAME chooses among them"
+            "--only NAME, --first-seed and --seeds choose among them"
         )
+    seeds = 2 * MAX_FIRST_SEED if request.seeds is None else request.seeds
     return jobs_of_dataset(
         open_with_sequences(folder),
         system,
         request.only,
+        range(request.first_seed, request.first_seed + seeds),
         pictures=request.keep_pictures,
         films=request.keep_films,
         detections=request.detections,
@@ -144,8 +145,8 @@ def _selected(scenarios: list[PlannedScenario], only: Sequence[str]) -> list[Pla
     labels = [planned.label for planned in scenarios]
     for label in only:
         if label not in labels:
-            hint = did_you_mean(label, labels) or ";"
-            raise BenchError(f"--only {label}: not played{hint} there are: {', '.join(labels)}")
+            hint = suggestion(label, labels)
+            raise BenchError(f"--only {label}: not played{hint}")
     return [planned for planned in scenarios if planned.label in only or not only]
 
 

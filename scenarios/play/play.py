@@ -22,6 +22,7 @@ from scenarios.play.job import Job, System, digest_of
 from scenarios.play.pictures import PictureCollector
 from scenarios.spec.draw import concrete
 from sim.recording.recording import Recording
+from sim.steps import step as count_step
 from sim.truth import Truth
 
 
@@ -106,6 +107,7 @@ def play_footage(
     for step, (_, truth) in zip(steps, for_scores, strict=False):
         outcomes.append(outcome_of(step, truth))
         on_frame(step, truth)
+        count_step()
     return episode_of(job, footage.rig.cameras, footage.fps, outcomes, footage.redrawn)
 
 

@@ -15,6 +15,7 @@ from scenarios.spec.draw import concrete, perform
 from scenarios.spec.names import load_scenario, scenario_names
 from scenarios.spec.parameters.file import File, FileText, file_named
 from scenarios.spec.scenario import Scenario, digest
+from scenarios.spec.suggestion import suggestion
 from sim.dataset.files.layout import DEFAULT_LABELS, LABELS
 from sim.motion.stage import Value
 from sim.script import Performance
@@ -193,7 +194,8 @@ def checked_labels(named: Collection[str], where: str) -> tuple[str, ...]:
     """The labels in the order of LABELS. Raises BenchError for an unknown one."""
     for name in named:
         if name not in LABELS:
-            raise BenchError(f"{where} {name[:40]}: must be of {', '.join(LABELS)}; or all, none")
+            hint = suggestion(name, (*LABELS, "all", "none"))
+            raise BenchError(f"{where} {name[:40]}: no such label{hint}")
     return tuple(name for name in LABELS if name in named)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,17 +12,26 @@ from rich.table import Table
 from rich.text import Text
 
 from pjpdaf.errors import BenchError
+from reports.gate.advice import advice_lines
 from reports.gate.formats import badge_json, verdict_json
 from reports.gate.gate import compare
 from reports.gate.junit import junit_xml
 from reports.gate.markdown import markdown
-from reports.gate.text import interval_text, number, outcome_text, unit_text
+from reports.gate.text import (
+    cap_text,
+    difference_text,
+    interval_text,
+    number,
+    outcome_text,
+)
 from reports.gate.verdict import MetricVerdict, Verdict
 from reports.run.load import SavedRun, load
 from reports.run.provenance import provenance
 from reports.summary.plain_table import plain_table
+from reports.summary.text import count
 from scenarios.console.interrupts import interrupts
-from scenarios.console.progress import progress_bar
+from scenarios.console.progress import progress
+from scenarios.console.tables import print_table
 from scenarios.run.margins import load_margins, read_margins
 from sim.files import disk_faults, written_whole_file
 
@@ -70,10 +79,16 @@ def compare_runs(request: CompareRequest) -> int:
         verdict = compare(base, new, margins)
     write_verdict(verdict, out, request.argv)
     console = Console()
-    console.print(verdict_table(verdict))
+    print_table(verdict_table(verdict), console)
+    for text in filter(None, map(cap_text, verdict.metrics)):
+        console.print(f"* {text}", highlight=False, markup=False, soft_wrap=True)
     for note in verdict.notes:
         console.print(f"note: {note}", highlight=False, markup=False, soft_wrap=True)
     console.print(sentence(verdict), style=STYLES[verdict.verdict], highlight=False, soft_wrap=True)
+    if verdict.advice is not None and verdict.verdict == "inconclusive":
+        advice = verdict.advice
+        for line in (*advice_lines(advice), *(f"  {command}" for command in advice.commands)):
+            console.print(line, highlight=False, markup=False, soft_wrap=True)
     console.print(
         f"written: {', '.join(str(out / name) for name in FILES)}",
         highlight=False,
@@ -95,7 +110,8 @@ def _escalated(
     """The verdict after as many reserve rounds as needed, and why they cannot be played here."""
     # Late: to play takes many imports that comparing does not need.
     from scenarios.execute.local import local_executor, worker_count
-    from scenarios.run.escalate import LOOKS, CannotEscalate, OnDone, escalate
+    from scenarios.play.job import Job
+    from scenarios.run.escalate import LOOKS, ROUNDS, CannotEscalate, OnDone, escalate
 
     workers = worker_count(request.jobs)
     first = compare(base, new, margins, looks=LOOKS)
@@ -104,13 +120,13 @@ def _escalated(
     with (
         interrupts() as arrived,
         arrived.raising(),
-        progress_bar(Console(stderr=True)) as progress,
         local_executor(workers) as executor,
+        progress(running=executor.running_steps) as meter,
     ):
 
-        def on_round(number: int, episodes: int) -> OnDone:
-            task = progress.add_task(f"reserve {number + 1}", total=episodes)
-            return lambda index, rows: progress.update(task, advance=1)
+        def on_round(number: int, jobs: Sequence[Job]) -> OnDone:
+            meter.begin(f"reserve {number + 1} of {len(ROUNDS)}", sum(job.frames for job in jobs))
+            return lambda index, rows: meter.finish(jobs[index].frames)
 
         try:
             here = provenance()
@@ -138,11 +154,12 @@ def write_verdict(verdict: Verdict, folder: Path, argv: tuple[str, ...] = ()) ->
 def sentence(verdict: Verdict) -> str:
     """The outcome in one line."""
     if verdict.identical:
-        return f"pass: all {verdict.episodes} episodes gave the same results, bit for bit"
+        return f"pass: all {count(verdict.episodes, 'episode')} gave the same results, bit for bit"
     words = [m.metric.name for m in verdict.metrics if m.verdict == verdict.verdict]
     if verdict.verdict == "pass":
-        return f"pass: no metric is worse by more than its margin ({verdict.episodes} episodes)"
-    return f"{verdict.verdict}: {', '.join(words)} ({verdict.episodes} paired episodes)"
+        episodes = count(verdict.episodes, "episode")
+        return f"pass: no metric is worse by more than its margin ({episodes})"
+    return f"{verdict.verdict}: {', '.join(words)} ({count(verdict.episodes, 'paired episode')})"
 
 
 def verdict_table(verdict: Verdict) -> Table:
@@ -159,12 +176,11 @@ def verdict_table(verdict: Verdict) -> Table:
 
 
 def _cells(judged: MetricVerdict) -> tuple[str, ...]:
-    unit = unit_text(judged.metric)
     return (
         judged.metric.name,
-        number(judged.base) + unit,
-        number(judged.new) + unit,
-        number(judged.difference.mean, "+"),
+        number(judged.base),
+        number(judged.new),
+        difference_text(judged),
         interval_text(judged),
         f"{judged.metric.margin:g}",
     )

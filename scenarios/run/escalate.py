@@ -34,7 +34,7 @@ LOOKS = 1 + len(ROUNDS)
 PROOFS = 3  # episodes that are played again to see that this code made the runs
 
 OnDone = Callable[[int, EpisodeRows], None]
-OnRound = Callable[[int, int], OnDone]  # number of the round, episodes -> called for each
+OnRound = Callable[[int, Sequence[Job]], OnDone]  # number of the round, jobs -> called for each
 
 
 class CannotEscalate(BenchError):
@@ -82,6 +82,8 @@ def refusal(base: SavedRun, new: SavedRun, here: Mapping[str, Any]) -> str:
         made = run.meta["provenance"]
         if not run.meta.get("request"):
             return f"{run.folder} does not say how it was started"
+        if run.meta["request"].get("dataset"):
+            return f"{run.folder} played a data set, which has no further seeds"
         if made["commit"] != here["commit"]:
             return f"{run.folder} was made by commit {_short(made)}, this is {_short(here)}"
         if made["dirty"] or here["dirty"]:
@@ -100,6 +102,11 @@ def _short(made: Mapping[str, Any]) -> str:
 def manual_command(new: SavedRun, reason: str) -> str:
     """The line, with the command to give by hand, for runs that cannot be continued here."""
     request = new.meta.get("request")
+    if request and request.get("dataset"):
+        return (
+            f"inconclusive, and there is no reserve: {reason}; make a data set of more --seeds, "
+            "play it with each of the two versions and compare these runs"
+        )
     seeds = sum(ROUNDS) * max(len(scenario["seeds"]) for scenario in new.meta["scenarios"])
     words = [*request["targets"], *system_options(new.meta)] if request else ["..."]
     return (
@@ -144,12 +151,7 @@ def planned_jobs(run: SavedRun, plug_ins: Collection[str] = ()) -> list[Job]:
     except BenchError as fault:
         raise CannotEscalate(manual_command(run, str(fault))) from fault
     now = {(job.name, job.seed): digest_of(job) for job in jobs}
-    then = {
-        (scenario["name"], seed): digest
-        for scenario in run.meta["scenarios"]
-        for seed, digest in zip(scenario["seeds"], scenario["digests"], strict=True)
-    }
-    if now != then:
+    if now != run.digests:
         raise CannotEscalate(manual_command(run, f"the scenarios of {run.folder} have changed"))
     return jobs
 
@@ -206,7 +208,7 @@ def play_round(
     """
     jobs = [reserve_jobs(planned, number) for planned in plans]
     every = [job for reserve in jobs for job in reserve]
-    rows = _finished(play_all(every, executor, on_round(number, len(every))))
+    rows = _finished(play_all(every, executor, on_round(number, every)))
     grown = []
     for name, run, mine in zip(("base", "new"), runs, jobs, strict=True):
         part, rows = rows[: len(mine)], rows[len(mine) :]

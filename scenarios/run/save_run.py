@@ -49,15 +49,14 @@ def save_run(
         renderer=played.renderer,
         argv=tuple(argv),
         complete=not played.interrupted,
-        # With --from, other seeds cannot be played, and no name plays an episode again.
-        request={}
-        if request.dataset is not None
-        else {
+        request={
             "targets": list(request.targets),
             "seeds": request.seeds,
             "first_seed": request.first_seed,
             "only": list(request.only),
             "settings": list(request.settings),
+            "dataset": None if request.dataset is None else str(request.dataset),
+            "detections": None if request.detections is None else str(request.detections),
         },
         suites=suite_records(request.targets),
         entries={job.name: scenario_record(job) for job in jobs},

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from scenarios.spec.parameters.file import FileText
 from scenarios.spec.parameters.numeric import Numeric
 from scenarios.spec.parameters.units import UNITS
 from scenarios.spec.scenario import MAX_FRAMES, Scenario
-from scenarios.spec.suggestion import did_you_mean
+from scenarios.spec.suggestion import suggestion
 from sim.contact.contact import Unposable
 from sim.families.registry import FAMILIES
 from sim.motion.measure import fault_of
@@ -24,6 +25,7 @@ from sim.motion.stage import Stage, Value, Values
 from sim.randomness import generator
 from sim.scene.extras import NO_EXTRAS, Extras, WithExtras
 from sim.script import Performance
+from sim.silhouettes.possible import surely_possible
 from sim.specs import SceneSpec
 
 MAX_DRAWS = 20  # of a seed, until a person can perform the motion
@@ -46,24 +48,30 @@ def concrete(
     known = (*scenario.parameters, *SETTINGS)
     for name in overrides:
         if name not in known:
-            listed = ", ".join(sorted(known))
-            hint = did_you_mean(name, known) or ";"
-            raise BenchError(
-                f"{scenario.name} has no parameter {name[:60]!r}{hint} known: {listed}"
-            )
+            hint = suggestion(name, known, f"pjpdaf-bench scenarios show {scenario.name}")
+            raise BenchError(f"{scenario.name} has no parameter {name[:60]!r}{hint}")
     values: dict[str, Value] = {}
     for name, parameter in scenario.parameters.items():
         if name in overrides:
             values[name] = parameter.check(name, overrides[name])
         else:
-            share = float(_generator(scenario, seed, redraw, name).random())
-            values[name] = parameter.quantile(share)
+            values[name] = parameter.quantile(_share(_stream(scenario, redraw, name), seed))
     return values
 
 
+@lru_cache(maxsize=1024)
+def _share(stream: str, seed: int) -> float:
+    """The first number of a stream: an episode's values are asked for several times."""
+    return float(generator(seed, stream).random())
+
+
 def _generator(scenario: Scenario, seed: int, redraw: int, name: str) -> np.random.Generator:
+    return generator(seed, _stream(scenario, redraw, name))
+
+
+def _stream(scenario: Scenario, redraw: int, name: str) -> str:
     again = f"redraw{redraw}/" if redraw else ""
-    return generator(seed, f"{scenario.stream}/{again}{name}")
+    return f"{scenario.stream}/{again}{name}"
 
 
 def setting_of(scenario: Scenario, overrides: Mapping[str, Value], name: str) -> float:
@@ -200,7 +208,8 @@ def judged(performance: Performance) -> str | None:
     assert isinstance(performer, Performer)
     duration_s = _duration_s(performance.frames, performance.fps)
     moments = min(MOST_JUDGED, math.ceil(JUDGED_HZ * duration_s) + 1)
-    return fault_of(performer, np.linspace(0.0, duration_s, moments).tolist())
+    times_s = np.linspace(0.0, duration_s, moments).tolist()
+    return fault_of(performer, times_s, surely_possible(performer, times_s).tolist())
 
 
 def fault_of_draw(

@@ -17,7 +17,7 @@ from scenarios.spec.corpus_case import (
 )
 from scenarios.spec.loader import load_either_file, load_scenario_file, load_suite_file, parse
 from scenarios.spec.scenario import Scenario
-from scenarios.spec.suggestion import did_you_mean
+from scenarios.spec.suggestion import suggestion
 from scenarios.spec.suite import Suite, SuiteEntry
 
 _SUFFIXES = (".yaml", ".yml")
@@ -27,11 +27,11 @@ class UnknownName(BenchError):
     """No shipped scenario or suite has this name. kind: "scenario", "suite", or both."""
 
     def __init__(self, kind: str, name: str, known: Collection[str]) -> None:
-        listed = ", ".join(sorted(known))
-        hint = did_you_mean(name, known) or ";"
-        super().__init__(f"no {kind} {name[:200]!r}{hint} known: {listed}; or give a .yaml file")
+        hint = suggestion(name, known, "pjpdaf-bench scenarios list")
+        super().__init__(f"no {kind} {name[:200]!r}{hint}; a file of your own ends in .yaml")
 
 
+@lru_cache(maxsize=8)
 def _names(folder: str) -> tuple[str, ...]:
     entries = (files("scenarios") / folder).iterdir()
     return tuple(sorted(e.name[: -len(".yaml")] for e in entries if e.name.endswith(".yaml")))

@@ -29,6 +29,7 @@ from scenarios.play.fast_trust import fast_trust
 from scenarios.play.job import System
 from scenarios.play.settings import read_settings
 from scenarios.spec.draw import SETTINGS
+from scenarios.spec.names import is_path
 from scenarios.spec.parameters.numeric import Numeric
 from scenarios.spec.parameters.units import parse_quantity
 from scenarios.stress.case import Fidelity
@@ -143,6 +144,10 @@ def families_of(target: str) -> tuple[StressFamily, ...]:
         return tuple(FAMILIES.values())
     names = [name.strip() for name in target.split(",")]
     for name in names:
+        if is_path(name):
+            raise BenchError(
+                f"{name}: is a case; this verb takes families (shrink, replay, promote take a case)"
+            )
         if names.count(name) > 1:
             raise BenchError(f"{name}: named twice")
     return tuple(find_family(name) for name in names)
@@ -195,7 +200,7 @@ def open_campaign(request: CampaignRequest, total: int | None = None) -> Iterato
         interrupts() as arrived,
         Journal.open(folder, request.code()) as journal,
         executor_at(place, request.plug_ins) as executor,
-        campaign_progress(total) as progress,
+        campaign_progress(executor, total) as progress,
     ):
         if fidelity == "full":
             executor.renderers()  # raises where there is no OpenGL

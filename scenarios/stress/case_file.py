@@ -8,6 +8,7 @@ from pjpdaf.errors import BenchError, NotComparable
 from scenarios.play.job import System
 from scenarios.play.settings import read_settings
 from scenarios.spec.corpus_case import FORMAT, CorpusCase, load_corpus_case
+from scenarios.spec.names import is_path
 from scenarios.spec.parameters.file import FileText
 from scenarios.stress.case import Case
 from scenarios.stress.families import find_family
@@ -60,15 +61,18 @@ def system_of(record: CorpusCase) -> System:
 def load_case(path: Path) -> CorpusCase:
     """The record of a file, proved to be the episode that it was.
 
-    Raises FileFault, and NotComparable where its scenario has changed since.
+    Raises FileFault, NotComparable where its scenario has changed since, and BenchError for a
+    family in its place.
     """
+    if not is_path(str(path)) and not path.exists():
+        raise BenchError(f"{path}: is not a case file, such as `stress {path} search` writes")
     record = load_corpus_case(path)
     case = case_of(record)
     if case.digest != record.digest:
         now = find_family(record.family).scenario.version
         raise NotComparable(
-            f"{path}: not comparable: {record.scenario} has changed since (version "
-            f"{record.version} then, {now} now); search again"
+            f"{path}: not comparable: {record.scenario} has changed since, or the file was edited "
+            f"(version {record.version} then, {now} now); search again"
         )
     return record
 

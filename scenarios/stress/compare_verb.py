@@ -13,6 +13,7 @@ from reports.score.robustness import Goal, measures_of
 from reports.stress.page import write_stress_page
 from reports.stress.records import CompareFile, CompareRecord, MapRecord, write_record
 from reports.summary.plain_table import plain_table
+from scenarios.console.tables import print_table
 from scenarios.play.job import System
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign, spaces_of
 from scenarios.stress.case import Case, Trial, TrialResult
@@ -87,7 +88,7 @@ def compare_verb(request: CompareRequest) -> None:
         )
         page = write_stress_page([campaign.folder], campaign.folder / "stress.html")
         out = Console()
-        out.print(_table(records))
+        print_table(_table(records), out)
         out.print(f"page: {page}", highlight=False, soft_wrap=True)
 
 

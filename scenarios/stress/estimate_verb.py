@@ -17,7 +17,8 @@ from reports.stress.page import write_stress_page
 from reports.stress.records import EstimateFile, EstimateRecord, write_record
 from reports.stress.words import GOAL_SHORT, interval_text, share_text
 from reports.summary.plain_table import plain_table
-from scenarios.spec.suggestion import did_you_mean
+from scenarios.console.tables import print_table
+from scenarios.spec.suggestion import suggestion
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
 from scenarios.stress.case import Case, Fidelity, Trial, TrialResult
 from scenarios.stress.estimate.correction import FullRuns, allocation, corrected
@@ -72,7 +73,7 @@ def estimate_verb(request: EstimateRequest) -> int:
         write_record(campaign.folder / "estimate.json", file)
         page = write_stress_page([campaign.folder], campaign.folder / "stress.html")
         out = Console()
-        out.print(_table(records))
+        print_table(_table(records), out)
         for line in _reservations(records):
             out.print(line, highlight=False)
         out.print(f"page: {page}", highlight=False, soft_wrap=True)
@@ -83,8 +84,7 @@ def _method(text: str) -> MethodChoice:
     for method in METHODS:
         if text == method:
             return method
-    hint = did_you_mean(text, METHODS) or ";"
-    raise BenchError(f"--method {text[:60]}: unknown{hint} known: {', '.join(METHODS)}")
+    raise BenchError(f"--method {text[:60]}: unknown{suggestion(text, METHODS)}")
 
 
 def _estimate(

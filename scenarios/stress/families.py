@@ -12,7 +12,7 @@ from scenarios.spec.parameters.distributions import Fixed
 from scenarios.spec.parameters.file import File
 from scenarios.spec.parameters.numeric import Numeric
 from scenarios.spec.scenario import Scenario
-from scenarios.spec.suggestion import did_you_mean
+from scenarios.spec.suggestion import did_you_mean, suggestion
 from sim.families.registry import FAMILIES as MOTIONS
 
 # Not a parameter of a scenario, but a field that may be changed: searched and mapped as one.
@@ -106,5 +106,6 @@ def find_family(name: str) -> StressFamily:
         return FAMILIES[name]
     if name in scenario_names():
         return _motion(name)
-    hint = did_you_mean(name, (*FAMILIES, *scenario_names())) or ";"
-    raise BenchError(f"no family {name[:60]!r} to stress{hint} known: {', '.join(FAMILIES)}")
+    known = tuple(dict.fromkeys((*FAMILIES, *scenario_names())))
+    hint = suggestion(name, known, "pjpdaf-bench scenarios list")
+    raise BenchError(f"no family {name[:60]!r} to stress{hint}")

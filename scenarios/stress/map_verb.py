@@ -12,6 +12,7 @@ from reports.score.robustness import GOALS
 from reports.stress.page import write_stress_page
 from reports.stress.records import EpisodeKey, MapFile, MapRecord, write_record
 from reports.stress.words import share_text
+from reports.summary.text import count
 from reports.words import GOAL_WORDS
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign, spaces_of
 from scenarios.stress.case import Case, Trial, TrialResult
@@ -139,6 +140,7 @@ def _summary(record: MapRecord) -> str:
     axes = record.x.name if record.y is None else f"{record.x.name} x {record.y.name}"
     unplayed = f", {record.unplayed} without a result" if record.unplayed else ""
     return (
-        f"{record.family}: {axes}, {len(record.cells)} cells, {record.runs} runs in "
-        f"{record.fidelity}{unplayed}; of the cells' trials: {shares or 'none failed'}"
+        f"{record.family}: {axes}, {count(len(record.cells), 'cell')}, "
+        f"{count(record.runs, 'run')} in {record.fidelity}{unplayed}; of the cells' trials: "
+        f"{shares or 'none failed'}"
     )

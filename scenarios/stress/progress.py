@@ -6,24 +6,24 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from rich.console import Console
-from rich.progress import Progress as Bar
-from rich.progress import TaskID
-
-from scenarios.console.progress import progress_bar
+from scenarios.console.progress import Meter, progress
+from scenarios.execute.executor import Executor
 from scenarios.stress.case import Trial, TrialResult
 
 
 @dataclass
 class Progress:
-    """Counts what is played. lost: by key, trials without a result through no fault of the draw."""
+    """Counts what is played.
 
-    bar: Bar
-    task: TaskID
+    frames: of the last run; lost: by key, trials without a result through no fault of the draw.
+    """
+
+    meter: Meter
     doing: str = "starting"
     runs: int = 0
     failures: int = 0
     best: float = float("inf")
+    frames: int = 0
     lost: dict[str, tuple[Trial, TrialResult]] = field(default_factory=dict)
 
     @property
@@ -39,24 +39,29 @@ class Progress:
             self.best = min(self.best, result.robustness.worst)
         if result.failure is not None and result.failure.kind != "unposable":
             self.lost[trial.key] = trial, result
-        self.show()
-        self.bar.advance(self.task)
+        if result.frames:
+            self.frames = result.frames
+        self.meter.finish(1, self._text())
 
     def start(self, doing: str, total: int | None = None) -> None:
         """Begin another part of the campaign; total: of the trials in it."""
         self.doing, self.best, self.failures = doing, float("inf"), 0
-        self.bar.reset(self.task, total=total)
-        self.show()
+        self.meter.begin(self._text(), total, "run")
 
-    def show(self) -> None:
-        """Bring the line up to date."""
+    def running_runs(self, executor: Executor) -> float:
+        """The runs in progress, as the share of their frames that is done."""
+        return executor.running_steps() / self.frames if self.frames else 0.0
+
+    def _text(self) -> str:
         best = f", best rho {self.best:+.2f}" if self.best < float("inf") else ""
-        text = f"{self.doing}: {self.failures} failed{best}"
-        self.bar.update(self.task, description=text)
+        return f"{self.doing}: {self.failures} failed{best}"
 
 
 @contextmanager
-def campaign_progress(total: int | None = None) -> Iterator[Progress]:
-    """A progress line on standard error, until the block ends."""
-    with progress_bar(Console(stderr=True)) as bar:
-        yield Progress(bar, bar.add_task("starting", total=total))
+def campaign_progress(executor: Executor, total: int | None = None) -> Iterator[Progress]:
+    """A progress line on standard error, until the block ends. executor: plays the trials."""
+    with progress() as meter:
+        counted = Progress(meter)
+        meter.running = lambda: counted.running_runs(executor)
+        meter.begin("starting", total, "run")
+        yield counted

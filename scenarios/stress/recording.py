@@ -57,7 +57,7 @@ def record_episodes(campaign: Campaign, shown: Sequence[Shown]) -> None:
         index, outcome = indexed
         if isinstance(outcome, Answer) and isinstance(outcome.value, EpisodeRows):
             rows[index] = outcome.value
-        campaign.progress.bar.advance(campaign.progress.task)
+        campaign.progress.meter.finish(1)
     path = campaign.folder / FOLDER
     if (path / "run.json").is_file():
         shutil.rmtree(path)

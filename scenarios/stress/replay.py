@@ -16,6 +16,7 @@ from pjpdaf.presets.registry import PRESETS
 from pjpdaf.targets import TARGETS
 from reports.pictures.film import FilmWriter, film_suffix
 from reports.pictures.overlay import overlay_picture
+from reports.summary.text import count
 from reports.words import MEASURE_WORDS
 from scenarios.console.interrupts import unwritten_if_interrupted
 from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
@@ -70,7 +71,7 @@ def replay_verb(request: ReplayRequest) -> None:
     assert result.robustness is not None
     out.print(
         f"{replayed.case.family} seed {replayed.case.seed}, {replayed.fidelity}, tracker "
-        f"{replayed.system.tracker}: {result.frames} frames at {result.fps:g} a second",
+        f"{replayed.system.tracker}: {count(result.frames, 'frame')} at {result.fps:g} a second",
         highlight=False,
     )
     for measure, rho in result.robustness.measures.items():

@@ -14,8 +14,9 @@ from reports.score.robustness import GOALS, Goal
 from reports.stress.page import write_stress_page
 from reports.stress.records import SearchFile, write_record
 from reports.summary.text import count
+from scenarios.console.tables import print_table
 from scenarios.spec.corpus_case import corpus_files, load_corpus_case
-from scenarios.spec.suggestion import did_you_mean
+from scenarios.spec.suggestion import suggestion
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
 from scenarios.stress.case import Case, Fidelity
 from scenarios.stress.case_file import case_of, corpus_case, write_case
@@ -122,8 +123,8 @@ def goals_of(text: str) -> tuple[Goal, ...]:
     words = [word.strip() for word in text.split(",")]
     for word in words:
         if word not in GOALS:
-            hint = did_you_mean(word, GOALS) or ";"
-            raise BenchError(f"--find {word}: unknown{hint} known: {', '.join(GOALS)}, all")
+            hint = suggestion(word, (*GOALS, ALL_GOALS))
+            raise BenchError(f"--find {word[:60]}: unknown{hint}")
     return tuple(goal for goal in GOALS if goal in words)
 
 
@@ -275,7 +276,7 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound]) -> None:
             soft_wrap=True,
         )
         if result.found:
-            out.print(failure_table(search.space.family.name, result.found))
+            print_table(failure_table(search.space.family.name, result.found), out)
     found = [one for result in results for one in result.found]
     rendered = [one for one in found if one.full is not None]
     if rendered:

@@ -21,7 +21,8 @@ from reports.summary.terminal import scenario_table, target_table
 from reports.summary.text import count
 from scenarios.console.folder import default_folder
 from scenarios.console.interrupts import interrupts, unwritten_if_interrupted
-from scenarios.console.progress import progress_bar
+from scenarios.console.progress import progress
+from scenarios.console.tables import print_table
 from scenarios.play.from_dataset import (
     check_once,
     open_with_sequences,
@@ -78,9 +79,9 @@ def score_tracks(request: ScoreRequest) -> None:
     with interrupts():  # while the run is saved, signals are only counted
         with (
             unwritten_if_interrupted(folder),
-            progress_bar(Console(stderr=True)) as progress,
+            progress() as meter,
         ):
-            task = progress.add_task("scoring", total=len(dataset.sequences))
+            meter.begin("scoring", sum(frame_counts.values()))
             for sequence in dataset.sequences:
                 identity = identities[sequence.name]
                 episode, remarks = _score_sequence(
@@ -92,12 +93,12 @@ def score_tracks(request: ScoreRequest) -> None:
                 )
                 rows.append(episode)
                 notes += remarks
-                progress.update(task, advance=1)
+                meter.finish(frame_counts[sequence.name])
         saved = load(save(folder, rows, _info(request, dataset, folder, identities)))
         page = write_page([saved], folder / "report.html")
     out = Console()
     table = target_table if request.by_target else scenario_table
-    out.print(table(summarise(saved)))
+    print_table(table(summarise(saved)), out)
     frames = sum(row.frame_count for row in rows)
     summary = f"{count(len(rows), 'sequence')}, {count(frames, 'stereo frame')} scored"
     for line in (summary, *(f"note: {note}" for note in notes), f"report: {page}"):

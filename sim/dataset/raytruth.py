@@ -24,6 +24,7 @@ from sim.dataset.labels.instances import Instances, instances_of
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 from sim.sequence import Simulation
+from sim.steps import step as count_step
 
 STEP_PX = 6
 BAND_PX = 2  # around the borders of the targets' masks, where every pixel is compared
@@ -120,6 +121,7 @@ def ray_check(
             later_s = simulation.performance.scene.sensor.skew_s if view else 0.0
             world.place(simulation.performance.script.pose(time_s + later_s))
             figures.append(_of_view(simulation, sequence, instances, index, view, step))
+        count_step()
     return pooled(figures)
 
 

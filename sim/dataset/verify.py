@@ -38,14 +38,14 @@ def verify(
     *,
     sums: bool = True,
     on_sequence: Callable[[str], None] = lambda name: None,
-    jobs: int = 1,
+    pool: WorkerPool | None = None,
 ) -> list[Fault]:
     """All faults of a data set, sorted by file; none where it is whole and consistent.
 
     sums: read all files to compare their SHA-256 as well; on_sequence is called with the name of
-    each checked sequence; jobs: worker processes. Raises FileError where the folder is not a data
-    set or one of another version, InfrastructureError where the worker of a sequence dies three
-    times.
+    each checked sequence; pool: checks sequences in worker processes. Raises FileError where the
+    folder is not a data set or one of another version, InfrastructureError where the worker of a
+    sequence dies three times.
     """
     root = Path(dataset_folder)
     log = FaultLog(root)
@@ -57,7 +57,7 @@ def verify(
         top = [path for path in tree.plain if path.partition("/")[0] not in names]
         log.add("checksums", check_digests(tree, listed, top))
     numbers = {}
-    for name, verdict in _verdicts(contents, listed, sums, jobs):
+    for name, verdict in _verdicts(contents, listed, sums, pool):
         log.faults += verdict.faults
         numbers[name] = verdict.numbers
         on_sequence(name)
@@ -66,9 +66,9 @@ def verify(
 
 
 def _verdicts(
-    contents: DatasetContents, checksums: Checksums, hash_files: bool, jobs: int
+    contents: DatasetContents, checksums: Checksums, hash_files: bool, pool: WorkerPool | None
 ) -> Iterator[tuple[str, SequenceVerdict]]:
-    """The sequences with their verdicts, in order, from worker processes where jobs is above 1."""
+    """The sequences with their verdicts, in order, from worker processes where there are."""
     plain: dict[str, set[str]] = {name: set() for name in contents.names}
     for path in contents.tree.plain:
         if (name := path.partition("/")[0]) in plain:
@@ -85,13 +85,12 @@ def _verdicts(
                 hash_files,
             )
         )
-    if jobs <= 1 or len(work) <= 1:
+    if pool is None or len(work) <= 1:
         for name, task in zip(contents.names, work, strict=True):
             yield name, check_sequence(*task)
         return
-    with WorkerPool(min(jobs, len(work))) as pool:
-        outcomes = pool.outcomes(_check, dict(enumerate(work)), SEQUENCE_LIMIT_S)
-        yield from _in_order(contents.names, outcomes)
+    outcomes = pool.outcomes(_check, dict(enumerate(work)), SEQUENCE_LIMIT_S)
+    yield from _in_order(contents.names, outcomes)
 
 
 def _in_order(

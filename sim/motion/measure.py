@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 
 import numpy as np
 
@@ -34,6 +35,13 @@ STEP_S = 1.0 / 3.0  # the thesis's frame
 
 _BEND_SLACK_RAD = math.radians(3.0)  # the wrist's iteration ends within 3 degrees of its limit
 _SLACK_RAD = math.radians(0.5)
+# Of an arm's joints [rad]: what a joint does -> how far at most.
+GREATEST_ANGLES: Mapping[str, float] = {
+    "wrist bends": MAX_WRIST_BEND_RAD + _BEND_SLACK_RAD,
+    "elbow bends": MAX_ELBOW_FLEXION_RAD + _SLACK_RAD,
+    "upper arm goes backward": MAX_EXTENSION_RAD + _SLACK_RAD,
+    "upper arm goes across the body": MAX_ADDUCTION_RAD + _SLACK_RAD,
+}
 _MOMENT_S = 0.005  # speeds are differences over this
 _BETWEEN = 4  # planned speeds are judged over this share of the time between two moments
 # Upright things that a hand cannot go through; the others are small, thin or soft.
@@ -127,16 +135,10 @@ def overlaps_of(performer: Performer, body: Body, objects: Sequence[StandingObje
     return Penetration(pairs)
 
 
-def _limits(performer: Performer, body: Body, side: int) -> tuple[tuple[str, float, float], ...]:
-    """(joint, angle, greatest angle) [rad] of an arm."""
+def _angles(body: Body, side: int) -> tuple[float, ...]:
+    """Angles of an arm's joints [rad], in the order of `GREATEST_ANGLES`."""
     arm = body.arms[side]
-    extension, adduction = shoulder_angles(side, body.torso.rotation, arm)
-    return (
-        ("wrist bends", wrist_bend(arm), MAX_WRIST_BEND_RAD + _BEND_SLACK_RAD),
-        ("elbow bends", elbow_flexion(arm), MAX_ELBOW_FLEXION_RAD + _SLACK_RAD),
-        ("upper arm goes backward", extension, MAX_EXTENSION_RAD + _SLACK_RAD),
-        ("upper arm goes across the body", adduction, MAX_ADDUCTION_RAD + _SLACK_RAD),
-    )
+    return (wrist_bend(arm), elbow_flexion(arm), *shoulder_angles(side, body.torso.rotation, arm))
 
 
 def _stretch(performer: Performer, arm: Arm) -> float:
@@ -144,17 +146,22 @@ def _stretch(performer: Performer, arm: Arm) -> float:
     return norm(arm.wrist_m - arm.shoulder_m) / (anatomy.upper_arm_m + anatomy.forearm_m)
 
 
-def fault_of(performer: Performer, times_s: Iterable[float]) -> str | None:
+def fault_of(
+    performer: Performer, times_s: Iterable[float], possible: Sequence[bool] = ()
+) -> str | None:
     """The reason why a person could not make this motion at these times, or None.
 
     Judged: parts inside one another, joints past their range, palms short of their targets, speed.
+    possible: of the times in order, whether all but the speed is known to be possible there.
     """
     times = sorted(times_s)
     fault = _too_fast(performer, times)
     if fault is not None:
         return fault
     objects = standing_objects(performer)
-    for t_s in times:
+    for t_s, known in zip_longest(times, possible):
+        if known:
+            continue
         fault = _fault_at(performer, performer.body(t_s), objects)
         if fault is not None:
             return f"at {t_s:.2f} s {fault}"
@@ -170,7 +177,8 @@ def _fault_at(performer: Performer, body: Body, objects: Sequence[StandingObject
             f"{1000 * ALLOWED_PENETRATION_M:.0f} mm): use another seed, or move the paths apart"
         )
     for side, arm in enumerate(body.arms):
-        for joint, angle, most in _limits(performer, body, side):
+        limits = zip(GREATEST_ANGLES.items(), _angles(body, side), strict=True)
+        for (joint, most), angle in limits:
             if angle > most:
                 return (
                     f"the {SIDES[side]} {joint} by {math.degrees(angle):.0f} degrees "
@@ -214,7 +222,7 @@ def measure(performer: Performer, times_s: Iterable[float]) -> Measures:
     objects = standing_objects(performer)
     bodies = _each_once(performer)
     deepest: dict[tuple[str, str], float] = {}
-    angles: list[list[float]] = []
+    angles: list[tuple[float, ...]] = []
     stretch = short = 0.0
     hands = -math.inf
     for t_s in times:
@@ -224,7 +232,7 @@ def measure(performer: Performer, times_s: Iterable[float]) -> Measures:
             deepest[pair] = max(deepest.get(pair, -math.inf), depth)
         hands = max(hands, overlap.hands_m)
         for side, arm in enumerate(body.arms):
-            angles.append([angle for _, angle, _ in _limits(performer, body, side)])
+            angles.append(_angles(body, side))
             stretch = max(stretch, _stretch(performer, arm))
             short = max(short, arm.short_m)
     bend, flexion, extension, adduction = np.max(angles, axis=0).tolist()

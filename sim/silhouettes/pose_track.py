@@ -9,16 +9,12 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
-from sim.contact.solids import Table
-from sim.motion.motion import Performer, elbow_floor, object_at_rest
-from sim.motion.posture import HandsOver, posture_over
-from sim.motion.strokes import Wobble
-from sim.person.kinematics import OUTWARD
+from sim.motion.motion import Performer, object_at_rest
 from sim.pose import Transform
 from sim.scene.extras import WithExtras
 from sim.script import Script
-from sim.silhouettes.arms_over import ArmsOver, arms_over
-from sim.silhouettes.contact_over import may_touch, shapes_over
+from sim.silhouettes.arms_over import ArmsOver
+from sim.silhouettes.planned_arms import planned_arms
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,39 +91,10 @@ def one_by_one(script: Script, anatomy: Anatomy, times_s: Sequence[float]) -> Po
 
 
 def _performer_track(performer: Performer, times_s: Sequence[float]) -> PoseTrack:
-    plan, anatomy, table = performer.plan, performer.scene.anatomy, performer.table
-    times = np.array(times_s, dtype=np.float64)
-    hands = (
-        HandsOver.of([plan.hands[0].at(t_s) for t_s in times_s]),
-        HandsOver.of([plan.hands[1].at(t_s) for t_s in times_s]),
-    )
-    sway = _wobble_over(plan.sway, times)
-    torso_m, torso, head_m, head = posture_over(
-        anatomy, hands, sway, [plan.carriage.at(t_s) for t_s in times_s]
-    )
-    arms, shapes = [], []
-    for side, state in enumerate(hands):
-        tremor = _wobble_over(plan.tremor[side], times)
-        palm = state.positions_m + state.air[:, None] * tremor + state.with_head[:, None] * sway
-        joint = np.array(
-            [0.0, OUTWARD[side] * anatomy.shoulder_half_breadth_m, -anatomy.shoulder_drop_m]
-        )
-        arm = arms_over(
-            anatomy,
-            side,
-            torso_m + torso @ joint,
-            palm,
-            state.rotations,
-            plan.swivel_rad + state.swivel_rad,
-            _elbow_floor_over(anatomy, table, palm),
-            torso[:, :, 0],
-        )
-        arms.append(arm)
-        shapes.append(shapes_over(anatomy, side, arm, state.curls))
-    joints = np.stack([_joints(arm) for arm in arms], axis=1)  # (F, 2, 4, 3)
-    turned = np.stack([arm.hand for arm in arms], axis=1)
-    touch = may_touch(anatomy, (shapes[0], shapes[1]), table, (torso_m, torso), (head_m, head))
-    for frame in np.flatnonzero(touch).tolist():
+    planned = planned_arms(performer, times_s)
+    joints = np.stack([_joints(arm) for arm in planned.arms], axis=1)  # (F, 2, 4, 3)
+    turned = np.stack([arm.hand for arm in planned.arms], axis=1)
+    for frame in np.flatnonzero(planned.may_touch).tolist():
         for side, solved in enumerate(performer.body(times_s[frame]).arms):
             joints[frame, side] = (
                 solved.shoulder_m,
@@ -141,31 +108,20 @@ def _performer_track(performer: Performer, times_s: Sequence[float]) -> PoseTrac
         Places(joints[:, 1, 3], turned[:, 1]),
     )
     return PoseTrack(
-        times_s=times,
-        torso=Places(torso_m, torso),
-        head=Places(head_m, head),
+        times_s=planned.times_s,
+        torso=Places(*planned.torso),
+        head=Places(*planned.head),
         hands=places,
         shoulders_m=joints[:, :, 0],
         elbows_m=joints[:, :, 1],
         wrists_m=joints[:, :, 2],
-        curls=np.stack([hands[0].curls, hands[1].curls], axis=1),
-        objects=_objects_over(performer, times, places),
+        curls=np.stack(planned.curls, axis=1),
+        objects=_objects_over(performer, planned.times_s, places),
     )
 
 
 def _joints(arm: ArmsOver) -> Floats:
     return np.stack([arm.shoulder_m, arm.elbow_m, arm.wrist_m, arm.palm_m], axis=1)
-
-
-def _wobble_over(wobble: Wobble, times_s: Floats) -> Floats:
-    """Displacements (F, 3)."""
-    angles = (2.0 * np.pi * times_s)[:, None, None] * wobble.frequencies_hz + wobble.phases_rad
-    return np.asarray((wobble.amplitudes_m * np.sin(angles)).sum(axis=1))
-
-
-def _elbow_floor_over(anatomy: Anatomy, table: Table, palms_m: Floats) -> Floats:
-    """`elbow_floor` of palms (F, 3)."""
-    return np.array([elbow_floor(anatomy, table, palm) for palm in palms_m])
 
 
 def _objects_over(

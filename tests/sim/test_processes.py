@@ -1,6 +1,5 @@
 """Workers that are killed, hang, or raise; the rest go on."""
 
-import multiprocessing
 import os
 import random
 import signal
@@ -13,6 +12,7 @@ from worker_tasks import (
     SlowToArrive,
     answers,
     cannot_be_sent,
+    counts_steps,
     dies,
     dies_once,
     double,
@@ -28,17 +28,17 @@ from sim.processes import ATTEMPTS, Answer, Lost, WorkerPool
 
 @pytest.fixture(autouse=True)
 def others():
-    """Child processes that are not those of the test; these are gone at its end."""
-    before = set(multiprocessing.active_children())
+    """Workers that are not those of the test; these are gone at its end."""
+    before = set(worker_pids(os.getpid()))
     yield before
-    assert set(multiprocessing.active_children()) <= before
+    assert set(worker_pids(os.getpid())) <= before
 
 
 def outcomes(function, tasks, workers=2, limit_s=60.0, **options):
-    before = set(multiprocessing.active_children())
+    before = set(worker_pids(os.getpid()))
     with WorkerPool(workers) as pool:
         outcomes = [pair for pair in pool.outcomes(function, tasks, limit_s, **options) if pair]
-    assert set(multiprocessing.active_children()) <= before
+    assert set(worker_pids(os.getpid())) <= before
     return dict(outcomes)
 
 
@@ -106,14 +106,12 @@ def test_a_task_may_start_processes_of_its_own():
 
 def test_workers_killed_at_random_moments_lose_no_answer(others):
     """While they start, wait, work, and in the middle of their answers."""
-    before = {process.pid for process in others}
     rng, over = random.Random(1), threading.Event()
 
     def killer():
         kills = 0  # an end to them: where workers start slowly, hardly a task would be finished
         while kills < 15 and not over.wait(rng.uniform(0.05, 0.5)):
-            # Not by active_children(): it waits for a child in this thread, beside the pool.
-            pids = [pid for pid in worker_pids(os.getpid()) if pid not in before]
+            pids = [pid for pid in worker_pids(os.getpid()) if pid not in others]
             if pids:
                 with suppress(ProcessLookupError):
                     os.kill(rng.choice(pids), signal.SIGKILL)
@@ -129,3 +127,14 @@ def test_workers_killed_at_random_moments_lose_no_answer(others):
             over.set()
             thread.join()
     assert found == {n: Answer(bytes([n]) * 3_000_000) for n in range(30)}
+
+
+def test_steps_are_known_while_their_task_goes_on(tmp_path):
+    end, heard = tmp_path / "end", []
+    with WorkerPool(1) as pool:
+        for ended in pool.outcomes(counts_steps, {0: str(end)}, 60.0):
+            heard.append(pool.running_steps())
+            if ended is None and heard[-1] == 2:
+                end.touch()
+    assert 2 in heard
+    assert heard[-1] == 0

@@ -40,9 +40,11 @@ def row_ends(part: Floats, blob: Floats, step: float, down_px: float = 0.0) -> R
 
 def _ends(pixels: Floats, step: float, down_px: float) -> tuple[int, Floats]:
     rows = np.rint((pixels[:, 1] - down_px) / step).astype(int)
-    order = np.argsort(rows, kind="stable")
-    rows, x = rows[order], pixels[order, 0]
-    starts = np.flatnonzero(np.diff(rows, prepend=rows[0] - 1))
+    x = pixels[:, 0]
+    if (rows[1:] < rows[:-1]).any():  # of a lattice they come in order, but for the lens
+        order = np.argsort(rows, kind="stable")
+        rows, x = rows[order], x[order]
+    starts = np.flatnonzero(np.concatenate([[True], rows[1:] != rows[:-1]]))
     low = int(rows[0])
     ends = np.full((int(rows[-1]) - low + 1, 2), np.nan)
     ends[rows[starts] - low, 0] = np.minimum.reduceat(x, starts)

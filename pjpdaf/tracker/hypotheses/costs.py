@@ -178,9 +178,17 @@ def finger_directions(
 
 
 def side_evidence(
-    pairs: Pairs, seen: tuple[Blobs, ...], head_m: Floats, views: Views, p: HypothesisParameters
+    pairs: Pairs,
+    seen: tuple[Blobs, ...],
+    head_m: Floats,
+    views: Views,
+    p: HypothesisParameters,
+    bare: bool = False,
 ) -> Floats:
-    """Log-odds (n,) that the hand at each pair is the right one: its sleeve, and the detector's."""
+    """Log-odds (n,) that the hand at each pair is the right one: its sleeve, and the detector's.
+
+    bare: the forearms have no sleeves.
+    """
     s = p.sleeve
     odds = np.zeros(len(pairs))
     if len(pairs) == 0:
@@ -190,7 +198,13 @@ def side_evidence(
         body = Body.under(head_m, views.axes, s)
         fingers = finger_directions(pairs, seen, views, s)
         scores = arm_scores(
-            pairs.points_m, arm_values(shapes, views, body, s), shapes, views, body, s, fingers
+            pairs.points_m,
+            arm_values(shapes, views, body, s, bare),
+            shapes,
+            views,
+            body,
+            s,
+            fingers,
         )
         odds = s.sleeve_weight * (scores[:, 0] - scores[:, 1])
     for v, view in enumerate(seen):

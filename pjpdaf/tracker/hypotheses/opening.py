@@ -8,6 +8,7 @@ from itertools import combinations, permutations
 import numpy as np
 
 from pjpdaf.arrays import Floats
+from pjpdaf.tracker.hypotheses.arm_pieces import forearm_cost
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.candidates import WHOLE, HeadPlace, candidates
 from pjpdaf.tracker.hypotheses.costs import area_cost, finger_directions
@@ -63,7 +64,7 @@ def open_tracks(seen: tuple[Blobs, ...], views: Views, p: HypothesisParameters) 
     if head is None:
         return None
     track = _track(pairs, head, seen, views)
-    hands = _hands(pairs, head, seen, views, p)
+    hands = _hands(pairs, head, seen, views, longest, p)
     return Opening(track, hands, longest) if hands else None
 
 
@@ -104,7 +105,12 @@ def _track(pairs: Pairs, head: int, seen: tuple[Blobs, ...], views: Views) -> He
 
 
 def _hands(
-    pairs: Pairs, head: int, seen: tuple[Blobs, ...], views: Views, p: HypothesisParameters
+    pairs: Pairs,
+    head: int,
+    seen: tuple[Blobs, ...],
+    views: Views,
+    longest_m: float,
+    p: HypothesisParameters,
 ) -> tuple[tuple[Floats, float], ...]:
     off = (pairs.points_m - pairs.points_m[head]) @ views.axes.T
     good = (
@@ -115,10 +121,14 @@ def _hands(
     )
     body = Body.under(pairs.points_m[head], views.axes, p.sleeve)
     shapes = tuple(view.looks.silhouette for view in seen)
-    values = arm_values(shapes, views, body, p.sleeve)
+    long = longest_m > p.candidates.bare_length_m
+    values = arm_values(shapes, views, body, p.sleeve, long)
     fingers = finger_directions(pairs, seen, views, p.sleeve)
     scores = arm_scores(pairs.points_m, values, shapes, views, body, p.sleeve, fingers)
     own = pairs.cost + area_cost(pairs, p.costs.hand_area_m2, p.costs)
+    bare = long or all(shape is None for shape in shapes)
+    if bare and p.candidates.arm_pieces:
+        own = own + forearm_cost(pairs, good, views.axes, p.costs.forward_m)
     hands: list[tuple[Floats, float]] = []
     for pair in combinations(np.flatnonzero(good).tolist(), 2):
         if (pairs.blob[pair[0]] == pairs.blob[pair[1]]).any():

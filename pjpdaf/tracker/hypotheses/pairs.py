@@ -14,6 +14,7 @@ from pjpdaf.tracker.hypotheses.candidates import BESIDE, END, WHOLE, Candidates
 from pjpdaf.tracker.hypotheses.contour import RowEnds, disparity, row_ends, row_shift
 from pjpdaf.tracker.hypotheses.geometry import Views, stereo_information
 from pjpdaf.tracker.hypotheses.parameters import CostParameters, NoiseParameters
+from pjpdaf.tracker.hypotheses.skew import Skewed
 
 NEAREST_M, FARTHEST_M = 0.3, 5.0  # depths at which a hand can be
 FARTHEST_MOVE_M = 1.2  # from where some hand is expected
@@ -69,13 +70,14 @@ def pair_candidates(
     noise: NoiseParameters,
     costs: CostParameters,
     seen: tuple[Blobs, ...] | None = None,
+    skewed: Skewed | None = None,
 ) -> Pairs:
     """All stereo-consistent pairs, and single sightings of candidates without a partner.
 
     expected_m (h, 3): where hands are expected, which gives a single sighting its depth. seen: the
-    views' blobs, for places and depths from their outlines.
+    views' blobs, for places and depths from their outlines. skewed: of views whose moments differ.
     """
-    double = _stereo(views, candidates, expected_m, noise, costs, seen)
+    double = _stereo(views, candidates, expected_m, noise, costs, seen, skewed)
     singles = [_single(views, v, candidates[v], double, expected_m, noise, costs) for v in range(2)]
     return _joined([double, *singles])
 
@@ -87,6 +89,7 @@ def _stereo(
     noise: NoiseParameters,
     costs: CostParameters,
     seen: tuple[Blobs, ...] | None,
+    skewed: Skewed | None,
 ) -> Pairs:
     left, right = candidates
     i, j = (a.ravel() for a in np.indices((len(left.blob), len(right.blob))))
@@ -96,6 +99,9 @@ def _stereo(
     if seen is not None and costs.cut_hands and whole.any():
         blobs = np.stack([left.blob[i], right.blob[j]], axis=1)
         corrected = _correct_cut(views, seen, blobs, whole, left_px, right_px)
+    uncertain_px = np.zeros(len(i))
+    if skewed is not None:
+        right_px, uncertain_px = skewed.undone(views, left_px, right_px, whole)
     points, residual = views.triangulate(left_px, right_px)
     _, depth = views.project(points)
     size = (depth / views.focal_px[:, None]) ** 2
@@ -122,6 +128,7 @@ def _stereo(
     unlike = np.maximum(np.abs(ratio[sane]) * LOG_AREA_SD - ALIKE_LOG_AREA, 0.0)
     radius_px = np.sqrt(np.maximum(left.areas_px[i], right.areas_px[j]) / np.pi)
     apart = np.hypot(apart, noise.hidden_share * unlike * radius_px)
+    apart = np.hypot(apart, uncertain_px[sane])
     information = stereo_information(views.jacobians(points), common, apart)
     return Pairs(
         points + _to_palms(views, left.palm_px[i], right.palm_px[j], depth[:, sane]),

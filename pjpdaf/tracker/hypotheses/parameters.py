@@ -20,6 +20,8 @@ class CandidateParameters:
     beside_head: bool = True
     # The hand is an end of a long blob where forearms are bare.
     ends: bool = True
+    # Of two pieces of one bare arm the nearer one is the hand, at the start.
+    arm_pieces: bool = True
     # Pieces of the head, as a fringe or glasses cut it, are one blob.
     join_head: bool = True
     # How much of two halves' distance goes for each share of two hands' area that is hidden [1].
@@ -67,6 +69,8 @@ class NoiseParameters:
     # Of a whole hand's centre between the views, in its radii for each unit of the logarithm by
     # which the views' areas differ: one view alone hides a part of it [1].
     hidden_share: NotNegative = 0.35
+    # A difference between the moments of the two views is learnt and taken out.
+    learn_skew: bool = True
     # Of a hand somewhere at the face, per axis [m].
     face_m: AboveZero = 0.06
     # Places before the face, from its middle: sideways and up or down [m]; 0 = its middle alone.
@@ -140,6 +144,8 @@ class SleeveParameters:
     swivels: AboveZeroInt = 16
     # Background under the arm counts this much against it [1]; clothes outside the torso count 1.
     bare_background: NotNegative = 1.5
+    # Skin under a sleeve, which would hide it, counts this much against the arm [1].
+    covered_skin: NotNegative = 0.5
     # Shoulders from the centre of the head's skin, camera axes: to the side, down, away [m].
     side_m: float = 0.175
     down_m: float = 0.165

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from pjpdaf.looks import BACKGROUND, CLOTHED, Silhouette
+from pjpdaf.looks import BACKGROUND, CLOTHED, SKIN, Silhouette
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.parameters import SleeveParameters
 
@@ -35,9 +35,17 @@ class Body:
 
 
 def arm_values(
-    shapes: tuple[Silhouette | None, ...], views: Views, body: Body, p: SleeveParameters
+    shapes: tuple[Silhouette | None, ...],
+    views: Views,
+    body: Body,
+    p: SleeveParameters,
+    bare: bool = False,
 ) -> list[Floats | None]:
-    """Worth of an arm's pixel there, per view: clothed 1, skin and torso 0, background below 0."""
+    """Worth of an arm's pixel there, per view: clothed 1, torso 0, background and skin below 0.
+
+    A sleeve hides the skin that is under it: of two hands in one blob, the one whose forearm would
+    run over the other is on the wrong side. bare: the forearms are skin themselves, which is 0.
+    """
     middle = body.shoulders_m.mean(axis=0)
     right, down = body.axes[0], body.axes[1]
     half = 0.5 * np.linalg.norm(body.shoulders_m[1] - body.shoulders_m[0])
@@ -63,6 +71,7 @@ def arm_values(
         value = np.zeros(shape.classes.shape)
         value[shape.classes == CLOTHED] = 1.0
         value[shape.classes == BACKGROUND] = -p.bare_background
+        value[shape.classes == SKIN] = 0.0 if bare else -p.covered_skin
         torso = np.zeros(shape.classes.shape, np.uint8)
         polygon = np.rint((pixels[view] + 0.5) / shape.step_px - 0.5).astype(np.int32)
         cv2.fillConvexPoly(torso, cv2.convexHull(polygon), 1)

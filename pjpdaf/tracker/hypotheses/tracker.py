@@ -38,6 +38,7 @@ from pjpdaf.tracker.hypotheses.opening import open_tracks
 from pjpdaf.tracker.hypotheses.pairs import Pairs, pair_candidates
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 from pjpdaf.tracker.hypotheses.readout import read_out
+from pjpdaf.tracker.hypotheses.skew import NOISE_PX, Skew, Skewed, shifts
 
 VIEWS = 2
 START_SD_M = 0.02
@@ -58,7 +59,8 @@ class HypothesisState:
 
     hypotheses: from the likeliest; estimates: the latest; hand_area_m2: of a whole hand, learnt;
     longest_m: mean length of the longer hand's blob, which tells bare forearms; dt_s: time since
-    the state before; doubt: that the hands changed places while both were hidden.
+    the state before; doubt: that the hands changed places while both were hidden; skew: of the
+    views' moments, None where it is not learnt.
     """
 
     head: HeadTrack
@@ -68,6 +70,7 @@ class HypothesisState:
     longest_m: float
     dt_s: float = 0.0
     doubt: float = 0.0
+    skew: Skew | None = None
 
 
 @final
@@ -96,7 +99,10 @@ class HypothesisTracker:
         )
         estimates = read_out(opened.head, hypotheses, None, self.views, 0.0, p)
         area = p.costs.hand_area_m2
-        return HypothesisState(opened.head, hypotheses, estimates, area, opened.longest_m)
+        skew = Skew(NOISE_PX * self.views.scale) if p.noise.learn_skew else None
+        return HypothesisState(
+            opened.head, hypotheses, estimates, area, opened.longest_m, skew=skew
+        )
 
     def estimates(self, state: HypothesisState, /) -> Estimates:
         """Return the estimates of a state."""
@@ -156,13 +162,13 @@ class HypothesisTracker:
             seen = join_head(state.head, seen, self.views)
         head_m = None if known_m is None else known_m[0]
         head, places = follow_head(state.head, seen, self.views, dt_s, p, head_m)
-        pairs = self._pairs(state, seen, places, head)
+        pairs = self._pairs(state, seen, places, head, dt_s)
         face_m, face_cost = self._at_head(head, places)
         sightings = Sightings(
             pairs,
             pairs.cost + area_cost(pairs, state.hand_area_m2, p.costs),
             joint_cost(pairs, places, state.hand_area_m2, p.costs),
-            side_evidence(pairs, seen, head.mean, self.views, p),
+            side_evidence(pairs, seen, head.mean, self.views, p, self._bare(state)),
             face_m,
             face_cost,
         )
@@ -181,8 +187,25 @@ class HypothesisTracker:
             self._longest(state, seen, places, dt_s),
             dt_s,
             doubt,
+            self._learnt_skew(state, pairs, chosen, seen, dt_s),
         )
         return after, estimates
+
+    def _learnt_skew(
+        self,
+        state: HypothesisState,
+        pairs: Pairs,
+        chosen: tuple[int, int],
+        seen: tuple[Blobs, ...],
+        dt_s: float,
+    ) -> Skew | None:
+        """The skew with what whole hands show of it that both views see."""
+        of = [k for k in chosen if k < len(pairs) and (pairs.part[k] == WHOLE).all()]
+        if state.skew is None or not of or dt_s <= 0:
+            return state.skew
+        left, right = (seen[v].centres_px[pairs.blob[of, v]] for v in range(VIEWS))
+        s = shifts(self.views, left, right, state.hypotheses[0].means, dt_s)
+        return state.skew.after(s.r_px, s.across, dt_s)
 
     def _at_head(
         self, head: HeadTrack, places: tuple[HeadPlace | None, ...]
@@ -216,10 +239,11 @@ class HypothesisTracker:
         seen: tuple[Blobs, ...],
         places: tuple[HeadPlace | None, ...],
         head: HeadTrack,
+        dt_s: float,
     ) -> Pairs:
         """All sightings of hands before the person, with the costs of their looks."""
         p = self.parameters
-        bare = state.longest_m > p.candidates.bare_length_m
+        bare = self._bare(state)
         area_m2 = state.hand_area_m2
         _, depth = self.views.project(head.mean)
         metre_px = self.views.focal_px / np.maximum(depth - HANDS_BEFORE_HEAD_M, 0.3)
@@ -230,7 +254,10 @@ class HypothesisTracker:
             for v, (view, place) in enumerate(zip(seen, places, strict=True))
         )
         expected = np.concatenate([h.means for h in state.hypotheses])
-        pairs = pair_candidates(self.views, (one, two), expected, p.noise, p.costs, seen)
+        skewed = None
+        if state.skew is not None and dt_s > 0:
+            skewed = Skewed(state.skew, state.hypotheses[0].means, dt_s)
+        pairs = pair_candidates(self.views, (one, two), expected, p.noise, p.costs, seen, skewed)
         away = (pairs.points_m - head.mean) @ self.views.axes[2]
         pairs = pairs[(away < BEHIND_M) & (away > -BEFORE_M)]
         extra = piece_cost(pairs, head.mean, self.views.axes, p.costs)
@@ -238,6 +265,10 @@ class HypothesisTracker:
             extra = extra + end_cost(pairs, self.views.axes, p.costs)
         pairs = replace(pairs, cost=pairs.cost + extra)
         return likeliest(pairs, expected, state.hand_area_m2, p.costs)
+
+    def _bare(self, state: HypothesisState) -> bool:
+        """Whether the forearms are bare."""
+        return state.longest_m > self.parameters.candidates.bare_length_m
 
     def _longest(
         self,

@@ -26,6 +26,7 @@ from sim.dataset.check.projection import check_projection
 from sim.dataset.check.table_rows import check_poses, check_times
 from sim.dataset.files.layout import EVENTS, OBJECTS, RECIPE, RIG, TRUTH
 from sim.dataset.stored_sequence import StoredSequence
+from sim.steps import step
 
 NEEDED = (EVENTS, OBJECTS, RECIPE, RIG, TRUTH)
 
@@ -83,6 +84,7 @@ def check_sequence(
         last = max((_number(path) for path in tree.plain), default=0)
         for index in range(min(rig.frames, last)):
             frames.check(index)
+            step()
         frames.check_backgrounds(rig.backgrounds)
     numbers = None if tables is None else numbers_of(sequence, tables)
     return SequenceVerdict(log.all(), numbers)

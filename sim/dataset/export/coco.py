@@ -32,6 +32,7 @@ from sim.dataset.labels.records import NOT_LABELLED
 from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
+from sim.steps import step
 
 LICENCE = {
     "id": 1,
@@ -103,6 +104,8 @@ class _ViewRecords:
         for frame in frames:
             if frame.arrived[self._camera]:
                 self._frame(file, frame)
+            if self._view == 1:  # the last; the frame is done
+                step()
 
     def _frame(self, file: CocoFile, frame: FrameRows) -> None:
         seg = self._sequence.seg(self._view, frame.index)

@@ -14,6 +14,7 @@ from sim.dataset.frame_rows import FrameRows, box_of, read_frame_rows
 from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
+from sim.steps import counted
 
 CLASS = 1  # "pedestrian": the only class that MOTChallenge's readers score
 
@@ -24,7 +25,7 @@ def write_mot(dataset: Dataset, folder: Path) -> Iterator[AddSequence]:
     names = []
 
     def add(sequence: StoredSequence) -> None:
-        frames = read_frame_rows(sequence)
+        frames = [*counted(read_frame_rows(sequence))]
         for view, camera in enumerate(CAMERAS):
             name = f"{sequence.name}-{camera}"
             names.append(name)

@@ -24,6 +24,7 @@ from sim.dataset.frame_rows import FrameRow, FrameRows, box_of, read_frame_rows
 from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
+from sim.steps import counted
 
 FILE_BYTES = 512 << 20
 _QUATERNION = ("qw", "qx", "qy", "qz")
@@ -154,7 +155,7 @@ def exporter(most_bytes: int = FILE_BYTES) -> Export:
     def write_parquet(dataset: Dataset, folder: Path) -> Iterator[AddSequence]:
         def add(sequence: StoredSequence) -> None:
             common = _common(dataset, sequence)
-            for frame in read_frame_rows(sequence):
+            for frame in counted(read_frame_rows(sequence)):
                 labels = {name: value(frame) for name, _, value in columns}
                 files.add({**common, **_pictures(sequence, frame), **labels})
 

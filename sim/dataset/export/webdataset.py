@@ -22,6 +22,7 @@ from sim.dataset.frame_rows import FrameRow, FrameRows, read_frame_rows
 from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
+from sim.steps import counted
 
 SHARD_SAMPLES = 1000
 SHARD_BYTES = 512 << 20
@@ -38,7 +39,7 @@ def exporter(shard_samples: int = SHARD_SAMPLES, shard_bytes: int = SHARD_BYTES)
     def write_shards(dataset: Dataset, folder: Path) -> Iterator[AddSequence]:
         def add(sequence: StoredSequence) -> None:
             common = _common(sequence)
-            for frame in read_frame_rows(sequence):
+            for frame in counted(read_frame_rows(sequence)):
                 key = f"{sequence.name}_{picture_name(frame.index, '')}"
                 shards.add(key, _sample(dataset, sequence, frame, common))
 

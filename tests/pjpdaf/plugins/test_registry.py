@@ -56,7 +56,7 @@ def test_detectors_by_name() -> None:
         ("plugin_of_a_user:number", None, "is no function of the cameras."),
         ("plugin_of_a_user:half", None, "lacks start, step, estimates, predict"),
         ("plugin_of_a_user:tracker", {"gate": 9}, "is a plug-in and takes no parameters, got gate"),
-        ("thesis", {"gat": 9}, "No parameter 'gat'. Did you mean 'gate'? Known: "),
+        ("thesis", {"gat": 9}, "No parameter 'gat'. Did you mean 'gate'?"),
         (
             "default",
             {"tracker.p_detect": 0.8},

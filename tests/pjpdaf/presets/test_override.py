@@ -40,7 +40,7 @@ def test_overrides_are_read_as_their_type() -> None:
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"p_detct": "0.8"}, "No parameter 'p_detct'. Did you mean 'p_detect'? Known: "),
+        ({"p_detct": "0.8"}, "No parameter 'p_detct'. Did you mean 'p_detect'?"),
         ({"detector.gate": "1"}, "No parameter 'detector.gate'."),
         ({"motor.gate": "1"}, "No parameter 'motor.gate'. Did you mean 'gate'?"),
         ({"p_detect": "high"}, "p_detect must be a number, got 'high'."),

@@ -12,7 +12,7 @@ from reports.gate.junit import junit_xml
 from reports.gate.markdown import MARKDOWN_LIMIT, markdown
 from reports.gate.metrics import METRICS
 from reports.gate.statistics import Difference
-from reports.gate.verdict import EpisodeDifference, GroupDifference, MetricVerdict, Verdict
+from reports.gate.verdict import Advice, EpisodeDifference, GroupDifference, MetricVerdict, Verdict
 
 # What Jenkins' xUnit plug-in accepts (its schema junit-10), as element -> (required attributes,
 # optional attributes, children, text allowed). Numbers must be numbers: the schema takes any text,
@@ -203,3 +203,28 @@ def test_a_long_summary_is_cut_below_the_limit_at_a_line():
     text = markdown(verdict_of("fail", worst=worst))
     assert len(text.encode()) <= MARKDOWN_LIMIT
     assert text.endswith("|\n\n(cut: too long)\n")
+
+
+def test_capped_differences_are_marked_wherever_they_stand():
+    (group,) = (g for g in verdict_of().groups if g.verdict == "fail")
+    metrics = (replace(judged(METRICS[0], "fail"), capped=2),)
+    worst = (EpisodeDifference("drink", 3, 121.0, (), "", capped=True),)
+    whole = verdict_of(metrics=metrics, groups=(), worst=worst)
+    whole = replace(whole, groups=(replace(group, capped=2),))
+    text = markdown(whole)
+    assert r"| +12\* (+9 to +15) mm |" in text
+    assert r"\* 2 of 24 differences of error_mm are capped at 30 mm." in text
+    assert "| at least +121.0 mm |" in text
+    assert "; 2 of 9 differences of error_mm are capped at 30 mm" in junit_xml(whole)
+    assert json.loads(verdict_json(whole))["metrics"][0]["capped"] == 2
+
+
+def test_an_inconclusive_verdict_ends_with_the_reason_and_the_commands():
+    advice = Advice("6 episodes of 3 draws", 9, 0.84, ("pjpdaf-bench run 'a b' --seeds 9",))
+    whole = verdict_of("inconclusive", advice=advice)
+    text = markdown(whole)
+    reason = "why: 6 episodes of 3 draws  \nto decide: --seeds 9 of both, a clear verdict of each"
+    assert f"{reason} metric in 84 % of all cases" in text
+    assert "```sh\npjpdaf-bench run 'a b' --seeds 9\n```" in text
+    assert "; why: 6 episodes of 3 draws; to decide: --seeds 9 of both" in junit_xml(whole)
+    assert json.loads(verdict_json(whole))["advice"]["seeds"] == 9

@@ -9,7 +9,7 @@ from reports.run.load import load
 from reports.run.save import RunInfo, save
 from reports.score.records import EpisodeFailure
 from reports.summary.tables import summarise
-from reports.summary.terminal import WIDEST_NAME, scenario_table, target_table
+from reports.summary.terminal import scenario_table, target_table
 
 TABLES = (scenario_table, target_table)
 
@@ -36,7 +36,7 @@ def test_a_run_without_episodes_has_a_table(table_of, tmp_path):
 
 
 def test_a_scenario_is_a_line_with_its_whole_name(episode_of, tools, tmp_path):
-    name = "n" * WIDEST_NAME
+    name = "n" * 30
     centres = tools.paths(20, 3.0)
     swapped = centres[:, [0, 2, 1]]
     episodes = [

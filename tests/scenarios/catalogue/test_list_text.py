@@ -1,5 +1,7 @@
 """The catalogue as text."""
 
+import pytest
+
 from scenarios.catalogue.list_text import WIDTH, catalogue_lines
 from scenarios.spec.names import scenario_names, suite_names
 
@@ -17,3 +19,13 @@ def test_the_list_is_aligned_fits_and_names_everything():
     assert cross[places[2]] == " "
     assert calm[places[1] :].startswith("150 x 3 ")
     assert all(line[places[3]] != " " for line in lines)
+
+
+@pytest.mark.parametrize("width", [60, 80])
+def test_a_narrow_terminal_has_the_text_below_the_name(width):
+    lines = list(catalogue_lines(width))
+    assert max(map(len, lines)) <= width
+    names = [line.split()[0] for line in lines if not line.startswith(" ")]
+    assert names == ["name", *scenario_names(), *suite_names()]
+    words = {word for line in lines for word in line.split()}
+    assert words == {word for line in catalogue_lines() for word in line.split()}

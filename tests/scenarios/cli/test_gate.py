@@ -5,7 +5,7 @@ from commands import assert_one_line, in_this_process
 
 
 @pytest.mark.parametrize(
-    "words", [("compare", "nowhere", "there"), ("baseline", "nowhere", "there")]
+    "words", [("compare", "nowhere", "there"), ("baseline", "accept", "nowhere", "there")]
 )
 def test_a_folder_that_is_not_a_run_is_one_line(words, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

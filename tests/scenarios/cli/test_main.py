@@ -105,3 +105,16 @@ def test_an_unforeseen_fault_is_one_line_and_no_verdict(monkeypatch, tmp_path):
     shown = in_this_process("report", "run", "--out", tmp_path / "x.html", "--debug")
     assert "in broken" in shown.stderr
     assert "\x1b" not in shown.stderr
+
+
+VERBS = ((), ("run",), ("stress",), ("stress", "all", "map"), ("dataset",), ("dataset", "make"))
+
+
+@pytest.mark.parametrize("columns", [60, 80, 120])
+@pytest.mark.parametrize("words", VERBS)
+def test_help_is_whole_at_any_width(words, columns, monkeypatch):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    lines = in_this_process(*words, "--help").stdout.splitlines()
+    below = lines[lines.index("") :]  # the usage names the program, which is pytest here
+    assert max(map(len, below)) <= columns
+    assert not [line for line in below if line.endswith(("...", "\u2026"))]

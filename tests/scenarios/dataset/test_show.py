@@ -40,17 +40,19 @@ def files(folder):
     return sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file())
 
 
-def test_sheet_and_page_lie_in_a_new_folder_here(made, tmp_path, monkeypatch):
+def test_sheet_and_page_lie_in_a_new_folder_beside_the_data_set(made, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    beside = made.with_name("set-show")
     before = files(made)
     said = show_dataset(ShowDatasetRequest(made))
     assert re.fullmatch(
-        r"sheet: set-show/sheet\.png \(2 sequences\)\n"
-        r"page: set-show/page\.html \(2 sequences, \d\.\d MB\)",
+        rf"sheet: {beside}/sheet\.png \(2 sequences\)\n"
+        rf"page: {beside}/page\.html \(2 sequences, \d\.\d MB\)",
         said,
     )
-    assert files(tmp_path) == ["set-show/page.html", "set-show/sheet.png"]
-    assert "<title>set</title>" in (tmp_path / "set-show" / "page.html").read_text()
+    assert files(tmp_path) == []
+    assert files(beside) == ["page.html", "sheet.png"]
+    assert "<title>set</title>" in (beside / "page.html").read_text()
     assert files(made) == before
     with pytest.raises(BenchError, match=r"set-show/sheet\.png: exists; give another name"):
         show_dataset(ShowDatasetRequest(made))

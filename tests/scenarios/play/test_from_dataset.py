@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -10,19 +11,22 @@ from pathlib import Path
 
 import cv2
 import pytest
+from commands import in_this_process
 
 import sim.dataset
 from pjpdaf.errors import BenchError
 from reports.gate.gate import compare
+from reports.gate.replay import replay_command
 from reports.run.load import load
 from reports.run.rows import rows_of
 from reports.run.save import RunInfo, save
 from reports.run.tables import tables_of
+from scenarios.execute.episodes import PlayResults
 from scenarios.play.job import Job, System, digest_of
 from scenarios.play.plan import PlanRequest, plan
 from scenarios.play.play import play_complete
 from scenarios.play.recipe import Recipe, SequenceSettings
-from scenarios.run.save_run import scenario_record
+from scenarios.run.save_run import save_run, scenario_record
 from scenarios.spec.names import load_scenario
 from sim.dataset.files.layout import sequence_name
 from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
@@ -159,12 +163,31 @@ def test_a_whole_run_needs_no_renderer(made, live, tmp_path):
     assert (tmp_path / "run/report.html").stat().st_size > 100_000
 
 
+def test_its_play_it_again_command_works_as_it_is_pasted(made, kept, tmp_path):
+    played = PlayResults(tuple(kept), interrupted=False, renderers=frozenset())
+    saved = save_run(request(made), plan(request(made)), played, tmp_path / "run", slim=True)
+    command = shlex.split(replay_command(saved.meta, "cross+noise", 102))
+    done = in_this_process(*command[1:], "--slim", "--jobs", 1, "--out", tmp_path / "again")
+    assert done.returncode == 0, done.stderr
+    again = load(tmp_path / "again")
+    assert again.digests == {("cross+noise", 102): saved.digests["cross+noise", 102]}
+    mine = load(tmp_path / "run").episodes
+    mine = mine[mine["scenario"] == "cross+noise"].reset_index(drop=True)
+    assert again.episodes.equals(mine)
+
+
 def test_only_and_slim_and_films(made):
     (one,) = plan(request(made, only=("cross+noise",), keep_pictures=False))
     assert (one.name, one.seed) == ("cross+noise", 102)
     assert not one.keep_pictures
     assert not one.keep_film
     assert all(one.keep_film and one.keep_pictures for one in plan(request(made, keep_films=True)))
+
+
+def test_seeds_choose_among_the_sequences(made):
+    assert [one.seed for one in plan(request(made, first_seed=102))] == [102]
+    assert [one.seed for one in plan(request(made, first_seed=101, seeds=1))] == [101]
+    assert [one.seed for one in plan(request(made, seeds=103))] == [101, 102]
 
 
 def test_another_tracker_gives_another_result_on_the_same_pictures(made, kept):
@@ -179,8 +202,8 @@ def test_another_tracker_gives_another_result_on_the_same_pictures(made, kept):
     ("changes", "said"),
     [
         ({"settings": ("noise_sd=4",)}, "--set noise_sd does not go with --from"),
-        ({"seeds": 3}, "--seeds does not go with --from"),
-        ({"first_seed": 3}, "--first-seed does not go with --from"),
+        ({"seeds": 3}, "no sequence has such a seed; it has 101 to 102; see --first-seed"),
+        ({"first_seed": 103}, "no sequence has such a seed; it has 101 to 102"),
         ({"targets": ("smoke",)}, "smoke does not go with --from"),
         ({"only": ("cros",)}, "--only cros: not in it; did you mean cross?"),
         ({"tracker": "nobody"}, "nobody"),

@@ -1,18 +1,25 @@
 """The verb `compare` on runs that were played for real, small ones."""
 
 import json
+import re
+import shlex
+import shutil
 from dataclasses import replace
 from xml.etree import ElementTree
 
 import pytest
+from commands import in_this_process
+from made_dataset import request as request_of_set
 
 from pjpdaf.errors import BenchError
 from reports.gate.pairing import NotComparable
 from reports.run.load import load
 from reports.run.rows import rows_of
 from reports.run.save import RunInfo, save, save_slim
+from scenarios.dataset.make import make_dataset
 from scenarios.play.job import Job, System
 from scenarios.play.play import play_complete
+from scenarios.play.recipe import SequenceSettings
 from scenarios.play.targets import expand_target
 from scenarios.run.compare import FILES, CompareRequest, compare_runs, sentence, verdict_table
 from scenarios.run.margins import load_margins, read_margins
@@ -72,6 +79,41 @@ def test_three_episodes_of_a_useless_tracker_are_inconclusive(runs, tmp_path, ca
     assert json.loads((tmp_path / "badge.json").read_text())["color"] == "yellow"
 
 
+@pytest.mark.long  # eight runs in all
+def test_every_play_it_again_command_works_as_it_is_pasted(tmp_path, monkeypatch):
+    """Both forms: of scenarios that are rendered, and of a data set."""
+    labels = SequenceSettings((), SIZE_PX)
+    changes = {"targets": ("cross",), "seeds": 1, "settings": ("frames=4", "fps=1")}
+    make_dataset(request_of_set(tmp_path / "my set", labels=labels, **changes))
+    (tmp_path / "own.yaml").write_text(
+        "name: own\nversion: 1\nsummary: A scenario.\nseeds: 1\nscenarios:\n"
+        "  - {scenario: cross, frames: 4, overrides: {fps: 1}}\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    for played in (("--from", "my set"), ("own.yaml", "--first-seed", 100)):
+        for folder, change in (("base", ()), ("new", ("--set", "tracker.measurement_px2=1e7"))):
+            words = ("run", *played, "--preset", "thesis", *change, "--out", folder)
+            done = in_this_process(*words, "--jobs", 1)
+            assert done.returncode == 0, done.stderr
+        assert in_this_process("compare", "base", "new").returncode == 3
+        summary = (tmp_path / "new" / "summary.md").read_text()
+        commands = re.findall(r"`(pjpdaf-bench run [^`]+)`", summary)
+        assert commands
+        for number, command in enumerate(commands):
+            words = shlex.split(command)[1:]
+            out = tmp_path / f"again-{number}"
+            done = in_this_process(*words, "--jobs", 1, "--out", out)
+            assert done.returncode == 0, done.stderr
+            again, new = load(out), load(tmp_path / "new")
+            (scenario,) = again.meta["scenarios"]
+            (seed,) = scenario["seeds"]
+            mine = (new.frames["scenario"] == scenario["name"]) & (new.frames["seed"] == seed)
+            assert again.frames.equals(new.frames[mine].reset_index(drop=True))
+            shutil.rmtree(out)
+        for folder in ("base", "new"):
+            shutil.rmtree(tmp_path / folder)
+
+
 def test_margins_forgive_from_a_file_and_from_the_command_line(runs, tmp_path):
     file = tmp_path / "margins.yaml"
     file.write_text("margins: {error_mm: 500, missed: 1, err_acc_px: 500, gospa_mm: 500}\n")
@@ -83,7 +125,7 @@ def test_margins_forgive_from_a_file_and_from_the_command_line(runs, tmp_path):
 def test_faulty_margins_are_one_line_with_their_place(tmp_path):
     file = tmp_path / "margins.yaml"
     for text, line in (
-        ("margins: {eror_mm: 2}\n", r"margins.yaml: no metric 'eror_mm'; known: error_mm"),
+        ("margins: {eror_mm: 2}\n", r"margins.yaml: No metric 'eror_mm'. Did you mean 'error_mm'"),
         ("margins: {error_mm: -2}\n", r"margins.yaml:1:\d+: margins.error_mm"),
         ("margin: {error_mm: 2}\n", r"margins.yaml:1:\d+: margin.*did you mean margins\?"),
         ("margins: {error_mm: .nan}\n", r"margins.yaml:1:\d+"),

@@ -88,8 +88,8 @@ def test_a_round_is_played_for_both_saved_and_joined(executor, runs, tmp_path):
     plans = [planned_jobs(run) for run in runs]
     done = []
 
-    def on_round(number, episodes):
-        return lambda index, rows: done.append(episodes)
+    def on_round(number, jobs):
+        return lambda index, rows: done.append(len(jobs))
 
     grown = play_round(runs, plans, 0, executor, tmp_path, on_round)
     assert done == [4] * 4
@@ -207,8 +207,8 @@ def test_the_reserve_decides_what_two_seeds_cannot(executor, runs, tmp_path):
     here = base.meta["provenance"]
     rounds = []
 
-    def on_round(number, episodes):
-        rounds.append(episodes)
+    def on_round(number, jobs):
+        rounds.append(len(jobs))
         return lambda index, rows: None
 
     assert compare(base, new, looks=LOOKS).verdict == "inconclusive"

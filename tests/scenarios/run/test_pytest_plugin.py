@@ -1,11 +1,13 @@
 """The plug-in as its users have it: pytest in a process of its own, on a tiny real run."""
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from made_dataset import made_dataset
 
 ROOT = Path(__file__).parents[3]
 
@@ -33,11 +35,27 @@ def test_runs(pjpdaf_run, assert_no_regression):
     assert verdict.verdict == "pass"
 
 
+def test_a_data_set(pjpdaf_run, request):
+    settings = {"detector.background_learn_min": 2}
+    folder = Path(request.config.rootpath) / "set"
+    run = pjpdaf_run(dataset=folder, preset="thesis", settings=settings, first_seed=101)
+    assert run.saved.meta["preset"] == run.saved.meta["tracker"] == "thesis"
+    assert [scenario["seeds"] for scenario in run.saved.meta["scenarios"]] == [[101], [101]]
+
+
+def test_before(pjpdaf_run, assert_no_regression):
+    pjpdaf_run("cross", seeds=1, settings={"frames": 3})
+
+
 def test_bad_input(pjpdaf_run):
     pjpdaf_run("crss")
 """
 
 OWN = """
+def test_own_other(pjpdaf_run, assert_no_regression):
+    pjpdaf_run("cross", seeds=2, settings={"frames": 3})
+
+
 def test_own(pjpdaf_run, assert_no_regression):
     assert_no_regression(pjpdaf_run("cross", seeds=1, settings={"frames": 3}, tracker="mine:make"))
 
@@ -54,6 +72,7 @@ def pytest_in(folder, *words):
     """Only our plug-in, so that nothing else can warn."""
     env = {k: v for k, v in os.environ.items() if not k.startswith("PYTEST_")}
     env |= {"PYTHONPATH": str(ROOT), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    env |= {"PJPDAF_BENCH_CACHE": str(folder / "cache")}
     command = [sys.executable, "-m", "pytest", "-p", "pjpdaf.pytest_plugin", "-q", *words]
     return subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, check=False)
 
@@ -65,8 +84,9 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_a_run_is_played_and_held_against_its_baseline(folder):
-    words = ("-k", "runs", "--pjpdaf-baseline", "base", "--pjpdaf-jobs", "1")
+def test_a_run_is_played_and_held_against_its_baseline(folder, tmp_path_factory):
+    (folder / "set").symlink_to(made_dataset(tmp_path_factory))
+    words = ("-k", "runs or data_set", "--pjpdaf-baseline", "base", "--pjpdaf-jobs", "1")
     made = pytest_in(folder, *words, "--pjpdaf-update-baseline")
     assert made.returncode == 0, made.stdout
     size = sum(p.stat().st_size for p in (folder / "base" / "test_runs").iterdir())
@@ -81,17 +101,24 @@ def test_a_run_is_played_and_held_against_its_baseline(folder):
     )
     (folder / "test_mine.py").write_text(TESTS + OWN)
     (folder / "base" / "test_runs").rename(folder / "base" / "test_own")
-    worse = pytest_in(folder, "-k", "own", *words[2:])
+    shutil.copytree(folder / "base" / "test_own", folder / "base" / "test_own_other")
+    worse = pytest_in(folder, "-k", "own or before", *words[2:], "--basetemp", "played")
     assert worse.returncode == 1
     assert "base/test_own: " in worse.stdout
     assert "| error_mm |" in worse.stdout
     assert "base/nothing: no baseline; make it with --pjpdaf-update-baseline" in worse.stdout
+    assert "base/test_before: no baseline; make it with --pjpdaf-update-baseline" in worse.stdout
+    assert [path.parent.name for path in (folder / "played").rglob("pjpdaf")] == ["test_own0"]
+    assert "base/test_own_other: is the baseline of other scenarios, seeds or s" in worse.stdout
+    assert "footage: all from the cache" in worse.stdout
+    assert "1 episode of 1 scenario: " in worse.stdout
 
 
 def test_faults_are_one_line_without_a_traceback(folder):
-    done = pytest_in(folder, "-k", "bad_input")
+    done = pytest_in(folder, "-k", "bad_input or before")
     assert done.returncode == 1
     assert "no scenario or suite 'crss'; did you mean cross?" in done.stdout
+    assert "assert_no_regression needs --pjpdaf-baseline DIR" in done.stdout
     assert "Traceback" not in done.stdout
     assert "site-packages" not in done.stdout
 

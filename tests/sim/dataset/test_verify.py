@@ -4,16 +4,19 @@ The checks are tested in the folder check, with checksums that were written agai
 they must find it by themselves.
 """
 
-import multiprocessing
+import os
+import signal
 
 import numpy as np
 import pytest
+from commands import worker_pids
 from damaged_dataset import SEQ, edit_json, faults_of, files
 
 from pjpdaf.errors import BenchError
 from sim.dataset.check.fault import Fault
 from sim.dataset.files.layout import CHECKSUMS
 from sim.dataset.verify import verify
+from sim.processes import WorkerPool
 
 
 def test_an_undamaged_data_set_has_no_fault(trio, single):
@@ -25,23 +28,25 @@ def test_an_undamaged_data_set_has_no_fault(trio, single):
 
 def test_worker_processes_find_the_same(copies):
     (copies / SEQ / "right" / "000003.png").unlink()
-    assert verify(copies, jobs=2, sums=False) == verify(copies, sums=False)
+    with WorkerPool(2) as pool:
+        assert verify(copies, pool=pool, sums=False) == verify(copies, sums=False)
 
 
 def test_workers_that_are_killed_are_replaced_and_the_verdict_is_complete(copies):
     (copies / SEQ / "right" / "000003.png").unlink()
     wanted = verify(copies, sums=False)
-    others, names, killed = set(multiprocessing.active_children()), [], []
+    others, names, killed = set(worker_pids(os.getpid())), [], []
 
     def kill_all_once(name):
         """While the other worker is checking another sequence."""
         names.append(name)
         if not killed:
-            killed.extend(set(multiprocessing.active_children()) - others)
-            for worker in killed:
-                worker.kill()
+            killed.extend(set(worker_pids(os.getpid())) - others)
+            for pid in killed:
+                os.kill(pid, signal.SIGKILL)
 
-    assert verify(copies, jobs=2, sums=False, on_sequence=kill_all_once) == wanted
+    with WorkerPool(2) as pool:
+        assert verify(copies, pool=pool, sums=False, on_sequence=kill_all_once) == wanted
     assert len(killed) == 2
     assert names == ["seq_000000", "seq_000001", "seq_000002"]
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
 
 from pjpdaf.camera import project
-from pjpdaf.looks import CLOTHED, Silhouette
+from pjpdaf.looks import CLOTHED, SKIN, Silhouette
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.parameters import SleeveParameters
 from pjpdaf.tracker.hypotheses.sleeve import Body, arm_scores, arm_values, arms
@@ -77,6 +79,26 @@ def test_fingers_that_point_on_along_the_forearm_speak_for_it():
     to_the_left = np.tile([0.3, 0.0], (2, 1, 1))  # of the person, right in the picture
     found = arm_scores(middle, values, shapes, VIEWS, BODY, P, to_the_left)
     assert found[0, 0] > found[0, 1]  # a right forearm comes from the picture's left
+
+
+def test_skin_that_a_sleeve_would_hide_speaks_against_it():
+    """Both hands in one blob before the chest: the left one is on the person's left."""
+    shapes = silhouettes()
+    left = np.array([[0.35, 0.05, 0.95]])
+    for camera, shape in zip(CAMERAS, shapes, strict=True):
+        shape.classes[:] = CLOTHED
+        skin = np.rint(project(camera, left - np.outer([0, 1], [0, 0.1, 0])) / STEP)
+        cv2.line(shape.classes, *skin.astype(int).tolist(), SKIN, thickness=12)
+
+    def margin(covered_skin: float, bare: bool) -> float:
+        p = replace(P, covered_skin=covered_skin)
+        values = arm_values(shapes, VIEWS, BODY, p, bare)
+        right_arm, left_arm = arm_scores(left, values, shapes, VIEWS, BODY, p)[0]
+        return float(left_arm - right_arm)
+
+    assert P.covered_skin > 0
+    assert margin(P.covered_skin, bare=False) > margin(0.0, bare=False) + 0.05
+    assert margin(P.covered_skin, bare=True) == margin(0.0, bare=False)
 
 
 def test_without_a_silhouette_there_is_no_evidence():

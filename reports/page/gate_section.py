@@ -1,0 +1,101 @@
+"""The gate's verdict against a baseline, on the page of the run that it judges."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from reports.gate.advice import advice_lines
+from reports.gate.text import interval_text, number, outcome_text, unit_text
+from reports.gate.verdict import MetricVerdict, Verdict
+from reports.page.figure_table import Cell, Column, FigureRow, FigureTable, cells, heads
+from reports.page.run_entries import RunEntry
+from reports.summary.text import count
+
+OUTCOMES = {"pass": "good", "fail": "bad", "inconclusive": "none"}
+
+
+@dataclass(frozen=True)
+class WorseEpisode:
+    """An episode that got worse; address: of the episode in the page, "" without it."""
+
+    text: str
+    address: str
+
+
+@dataclass(frozen=True)
+class GateSection:
+    """A verdict on the page.
+
+    outcome: class of its colour; sentence: the verdict in words; advice: why it is inconclusive;
+    commands: that would decide it.
+    """
+
+    base: str
+    outcome: str
+    sentence: str
+    table: FigureTable
+    worse: tuple[WorseEpisode, ...]
+    advice: tuple[str, ...]
+    commands: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+def gate_section(verdict: Verdict, entries: Sequence[RunEntry]) -> GateSection:
+    """The section of a verdict. entries: the episodes of the run that it judges."""
+    by_key = {(entry.scenario, entry.seed): entry for entry in entries}
+    return GateSection(
+        base=verdict.base,
+        outcome=OUTCOMES[verdict.verdict],
+        sentence=_sentence(verdict),
+        table=FigureTable(
+            anchor="by-metric",
+            label="Metrics against the baseline",
+            first="Metric",
+            columns=heads(_columns(verdict)),
+            rows=tuple(
+                FigureRow(m.metric.meaning, cells(_columns(verdict), m)) for m in verdict.metrics
+            ),
+        ),
+        worse=tuple(
+            WorseEpisode(
+                f"{e.scenario}, seed {e.seed}: {e.error_mm:+.1f} mm"
+                + (f", {', '.join(e.events)}" if e.events else ""),
+                f"#play={entry.key}@{entry.worst_frame}"
+                if (entry := by_key.get((e.scenario, e.seed)))
+                else "",
+            )
+            for e in verdict.worst
+        ),
+        advice=advice_lines(verdict.advice) if verdict.advice is not None else (),
+        commands=verdict.advice.commands if verdict.advice is not None else (),
+        notes=verdict.notes,
+    )
+
+
+def _sentence(verdict: Verdict) -> str:
+    episodes = count(verdict.episodes, "paired episode")
+    if verdict.identical:
+        return f"Gate passed: the same results as the baseline, bit for bit, in {episodes}."
+    words = "; ".join(m.metric.meaning for m in verdict.metrics if m.verdict == verdict.verdict)
+    if verdict.verdict == "pass":
+        return f"Gate passed: no metric is worse by more than its margin in {episodes}."
+    if verdict.verdict == "fail":
+        return f"Gate failed: worse than the baseline in {words} ({episodes})."
+    return f"Gate undecided on {words}, {episodes}."
+
+
+def _columns(verdict: Verdict) -> tuple[Column[MetricVerdict], ...]:
+    share = f"{100 * (1 - verdict.alpha):.4g} % interval"
+    return (
+        Column("Baseline", lambda m: _value(m, m.base)),
+        Column("This run", lambda m: _value(m, m.new)),
+        Column("Difference", lambda m: _value(m, m.difference.mean, "+")),
+        Column("Verdict", lambda m: Cell(outcome_text(m), bad=m.verdict == "fail")),
+        Column(share, lambda m: Cell(interval_text(m), m.difference.high), extra=True),
+        Column("Margin", lambda m: _value(m, m.metric.margin), extra=True),
+    )
+
+
+def _value(judged: MetricVerdict, value: float, sign: str = "") -> Cell:
+    return Cell(number(value, sign) + unit_text(judged.metric), value)

@@ -1,0 +1,162 @@
+"""The expected size and time of a data set, from a few of its frames that are made on trial."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from rich.filesize import decimal
+
+from pjpdaf.errors import BenchError, InfrastructureError
+from scenarios.execute.executor import Executor
+from scenarios.play.recipe import Recipe
+from scenarios.spec.draw import setting_of
+from sim.dataset.writer import write_frame
+from sim.processes import Answer
+from sim.sequence import Simulation
+
+LEAST_FRAMES = 100  # a smaller data set is there before its size is known
+FRAMES_A_TRIAL = 100  # frames of a data set for each sequence that is tried
+MOST_TRIALS = 8
+TRIAL_LIMIT_S = 600.0
+
+
+# Bytes beside pictures and labels, measured at 640x480 with all labels; they hardly matter.
+FRAME_BYTES = 8_000  # rows of the tables, checksums
+SEQUENCE_BYTES = 40_000  # recipe, rig, calibration
+DATASET_BYTES = 160_000  # card with its pictures, Croissant record
+EXPORT_FRAME_BYTES = {"coco": 8_000, "mot": 1_500, "webdataset": 19_000, "parquet": 2_000}
+EXPORT_S_PER_MB = 0.02  # of copying
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Two frames of a sequence, made on trial.
+
+    pictures: bytes of a stereo pair; labels: bytes of a frame's labels; start_s: until the first
+    frame could be rendered [s]; frame_s: of a frame [s].
+    """
+
+    pictures: float
+    labels: float
+    start_s: float
+    frame_s: float
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """Expected bytes and wall time. exports: the part of `size` that is of exports."""
+
+    size: int
+    exports: int
+    seconds: float
+
+
+def forecast(
+    trials: Mapping[int, Trial],
+    missing: Mapping[int, Recipe],
+    recipes: Sequence[Recipe],
+    exports: Sequence[str],
+    jobs: int,
+) -> Forecast | None:
+    """What a data set will take: each sequence as the tried one that is nearest; None without any.
+
+    missing: the recipes that are to be made, by their index in `recipes`.
+    """
+    if not trials:
+        return None
+    nearest = [trials[min(trials, key=lambda k: abs(k - i))] for i in range(len(recipes))]
+    made = sum(_sequence_bytes(nearest[i], recipe) for i, recipe in missing.items())
+    exported = sum(
+        recipe.job.frames * _export_bytes(nearest[i], exports) for i, recipe in enumerate(recipes)
+    )
+    workers = min(jobs, len(missing))
+    seconds = sum(
+        nearest[i].start_s + recipe.job.frames * nearest[i].frame_s for i, recipe in missing.items()
+    )
+    size = round(made + exported + DATASET_BYTES)
+    return Forecast(size, round(exported), seconds / workers + EXPORT_S_PER_MB * exported / 1e6)
+
+
+def _sequence_bytes(trial: Trial, recipe: Recipe) -> float:
+    job = recipe.job
+    learnt = setting_of(job.scenario, job.overrides, "background_frames")
+    frames = job.frames * (trial.pictures + trial.labels + FRAME_BYTES)
+    return frames + learnt * trial.pictures + SEQUENCE_BYTES
+
+
+def _export_bytes(trial: Trial, exports: Sequence[str]) -> float:
+    """Bytes of a frame in all exports: WebDataset repeats pictures and labels, Parquet pictures."""
+    repeated = {"webdataset": trial.pictures + trial.labels, "parquet": trial.pictures}
+    return sum(EXPORT_FRAME_BYTES[name] + repeated.get(name, 0.0) for name in exports)
+
+
+def refuse_without_room(expected: Forecast, out: Path) -> int:
+    """The bytes that are free where a data set is to be. Raises InfrastructureError if too few."""
+    free = shutil.disk_usage(out).free
+    if expected.size > free:
+        raise InfrastructureError(
+            f"{out}: takes about {decimal(expected.size)} ({decimal(expected.exports)} of it "
+            f"exports), the disk has {decimal(free)} left: give another --out, fewer --labels or "
+            "--export, or a smaller --size"
+        )
+    return free
+
+
+def try_sequences(executor: Executor, recipes: Mapping[int, Recipe]) -> dict[int, Trial]:
+    """Make frames of a few sequences, evenly spread, in workers. A sequence that fails is left out.
+
+    recipes: of the sequences that are to be made, by index; none of fewer than `LEAST_FRAMES`.
+    Raises InfrastructureError.
+    """
+    frames = sum(recipe.job.frames for recipe in recipes.values())
+    if frames < LEAST_FRAMES:
+        return {}
+    indices = sorted(recipes)
+    count = min(max(frames // FRAMES_A_TRIAL, 1), MOST_TRIALS, len(indices))
+    chosen = sorted({indices[(2 * k + 1) * len(indices) // (2 * count)] for k in range(count)})
+    tasks = {index: recipes[index] for index in chosen}
+    trials = {}
+    for ended in executor.outcomes(_try_sequence, tasks, TRIAL_LIMIT_S, attempts=1):
+        if ended is None:
+            continue
+        index, outcome = ended
+        if isinstance(outcome, Answer) and outcome.value is not None:
+            trials[index] = outcome.value
+    return trials
+
+
+def _try_sequence(recipe: Recipe) -> Trial | None:
+    """None where the sequence cannot be made, of which its own turn has the reason."""
+    started = time.perf_counter()
+    try:
+        with TemporaryDirectory() as name, Simulation(recipe.performance()) as simulation:
+            sizes = []
+            for index in (recipe.job.frames // 4, 3 * recipe.job.frames // 4):
+                folder = Path(name, str(index))
+                folder.mkdir()
+                begun = time.perf_counter()
+                write_frame(simulation, folder, recipe.settings.labels, index)
+                sizes.append(_sizes(folder))
+    except InfrastructureError:
+        raise
+    except (BenchError, ValueError, OSError):
+        return None
+    ended = time.perf_counter()
+    pictures, labels = (sum(column) / len(sizes) for column in zip(*sizes, strict=True))
+    return Trial(pictures, labels, begun - started, ended - begun)
+
+
+def _sizes(folder: Path) -> tuple[int, int]:
+    """Bytes of pictures and of labels below a folder; the tables of a frame say nothing."""
+    pictures = labels = 0
+    for path in folder.glob("*/*"):
+        if path.parent.name in ("left", "right"):
+            pictures += path.stat().st_size
+        else:
+            labels += path.stat().st_size
+    return pictures, labels
