@@ -44,9 +44,9 @@ def _event_text(kind: str, event: Mapping[str, Any]) -> str:
     if kind == "merges":
         targets = event.get("targets")
         pair = [str(t)[:40] for t in targets[:2]] if isinstance(targets, list) else []
-        return f"{pair_text(pair)} merged, {value('view')}"
+        return f"{pair_text(pair)} merged, {value('view')} view"
     if kind == "ambiguous":
         return "both hands one blob in both views"
     if kind == "occlusions":
-        return f"{value('target')} hidden by {value('by')}, {value('view')}"
+        return f"{value('target')} hidden by {value('by')}, {value('view')} view"
     return label_text(str(event.get("event", "?"))[:60])

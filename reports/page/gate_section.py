@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from reports.gate.advice import advice_lines
 from reports.gate.text import interval_text, number, outcome_text, unit_text
 from reports.gate.verdict import MetricVerdict, Verdict
 from reports.page.figure_table import Cell, Column, FigureRow, FigureTable, cells, heads
@@ -24,13 +25,19 @@ class WorseEpisode:
 
 @dataclass(frozen=True)
 class GateSection:
-    """A verdict on the page. outcome: class of its colour; sentence: the verdict in words."""
+    """A verdict on the page.
+
+    outcome: class of its colour; sentence: the verdict in words; advice: why it is inconclusive;
+    commands: that would decide it.
+    """
 
     base: str
     outcome: str
     sentence: str
     table: FigureTable
     worse: tuple[WorseEpisode, ...]
+    advice: tuple[str, ...]
+    commands: tuple[str, ...]
     notes: tuple[str, ...]
 
 
@@ -60,6 +67,8 @@ def gate_section(verdict: Verdict, entries: Sequence[RunEntry]) -> GateSection:
             )
             for e in verdict.worst
         ),
+        advice=advice_lines(verdict.advice) if verdict.advice is not None else (),
+        commands=verdict.advice.commands if verdict.advice is not None else (),
         notes=verdict.notes,
     )
 
@@ -73,7 +82,7 @@ def _sentence(verdict: Verdict) -> str:
         return f"Gate passed: no metric is worse by more than its margin in {episodes}."
     if verdict.verdict == "fail":
         return f"Gate failed: worse than the baseline in {words} ({episodes})."
-    return f"Gate undecided: {episodes} are too few to judge {words}."
+    return f"Gate undecided on {words}, {episodes}."
 
 
 def _columns(verdict: Verdict) -> tuple[Column[MetricVerdict], ...]:

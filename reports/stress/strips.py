@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 import pandas as pd
 
@@ -14,12 +15,14 @@ from pjpdaf.targets import LEFT_HAND, RIGHT_HAND
 from reports.page.episode_tables import EpisodeTables
 from reports.pictures.contact_sheet import GAP_PX
 from reports.pictures.encode import picture_of
-from reports.pictures.overlay import STRIP, WHITE, draw_text, text_width
-from reports.pictures.wrong_marks import RED, TILE_PX, crop_about, marked_tile
-from reports.score.events import LOST_M
+from reports.pictures.overlay import SHIFT, STRIP, WHITE, draw_text, fixed, text_width
+from reports.pictures.wrong_marks import RED, TILE_PX, WRONG_M, crop_about, marked_tile
 from reports.words import EXCHANGED, event_text
 
 OFFSETS_S = (-1.4, -0.7, -0.35, 0.0, 0.7, 1.7)  # of the frames, from the start of the event
+# The schematic of a frame without a picture: BGR, as the page's player draws it.
+GROUND, SKIN = (51, 42, 35), (97, 112, 130)
+RADII_M = (0.105, 0.045, 0.045)
 _KINDS = ("swap", "capture", "lost")  # in the order in which a badge names them
 _OF_MEASURE = {"swap": ("swap",), "head_right": ("capture", "swap"), "head_left": ("capture",)}
 
@@ -37,8 +40,8 @@ class Tile:
 def strip(episode: EpisodeTables, film: Mapping[int, bytes], measure: str) -> tuple[Tile, ...]:
     """The strip of an episode, in the left view.
 
-    film: WebP pictures of both views by frame; frames without one have a plain ground. measure: of
-    `reports.score.robustness`, whose first event is shown.
+    film: WebP pictures of both views by frame; frames without one are drawn as a schematic.
+    measure: of `reports.score.robustness`, whose first event is shown.
     """
     places = _places(episode, measure)
     camera = camera_of(episode.cameras.to_dict("records")[0])
@@ -54,11 +57,11 @@ def strip(episode: EpisodeTables, film: Mapping[int, bytes], measure: str) -> tu
     for i, (truth_px, estimates_px) in zip(places, pixels, strict=True):
         frame = int(episode.index[i])
         badge = badge_of(episode.events, frame)
-        wrong = errors[i] > 1e3 * LOST_M
+        wrong = errors[i] > 1e3 * WRONG_M
         if badge == EXCHANGED:
             wrong[[RIGHT_HAND, LEFT_HAND]] = True
         picture = marked_tile(
-            _left_view(film.get(frame), camera),
+            _left_view(film.get(frame), camera, truth[i]),
             crop,
             camera.width_px,
             truth_px,
@@ -133,11 +136,22 @@ def _places(episode: EpisodeTables, measure: str) -> list[int]:
     return sorted(places)
 
 
-def _left_view(webp: bytes | None, camera: Camera) -> Image:
+def _left_view(webp: bytes | None, camera: Camera, truth_m: Floats) -> Image:
+    """The left view as filmed; without a picture a schematic of head and hands."""
     picture = picture_of(webp) if webp is not None else None
-    if picture is None:
-        return np.full((camera.height_px, camera.width_px, 3), (51, 42, 35), dtype=np.uint8)
-    return picture[:, : picture.shape[1] // 2]
+    return _schematic(camera, truth_m) if picture is None else picture[:, : picture.shape[1] // 2]
+
+
+def _schematic(camera: Camera, truth_m: Floats) -> Image:
+    """Head and hands as discs where they really are (T, 3) [m], the far ones first."""
+    canvas = np.full((camera.height_px, camera.width_px, 3), GROUND, dtype=np.uint8)
+    depths_m = truth_m @ camera.R_cw[2] + camera.t_cw[2]
+    centres_px = project(camera, truth_m)
+    for t in np.argsort(-depths_m).tolist():
+        if np.isfinite(centres_px[t]).all():
+            radius, _ = fixed(np.full(2, RADII_M[t] * camera.K[0, 0] / depths_m[t]))
+            cv2.circle(canvas, fixed(centres_px[t]), radius, SKIN, -1, cv2.LINE_AA, SHIFT)
+    return canvas
 
 
 def _light(colour: tuple[int, int, int]) -> tuple[int, int, int]:
