@@ -81,7 +81,7 @@ def play_all(
             if renderers and row.renderer and row.renderer not in renderers:
                 tasks[index] = jobs[index]
                 del results[index]
-        shelf = _shelf_of(results, jobs)
+        shelf = shelf_of(results, jobs)
         for indexed in executor.outcomes(_play_safely, tasks, time_limit_s):
             if indexed is None:
                 continue
@@ -92,9 +92,15 @@ def play_all(
             on_done(index, results[index])
     except KeyboardInterrupt:
         interrupted = True
-    rows = tuple(results[i] for i in sorted(results))
-    drawn_by = frozenset({row.renderer for row in rows if row.renderer})
-    return PlayResults(rows, interrupted, drawn_by or renderers)
+    played = results_of(results, interrupted)
+    return played if played.renderers else replace(played, renderers=renderers)
+
+
+def results_of(rows: Mapping[int, EpisodeRows], interrupted: bool = False) -> PlayResults:
+    """Results by the index of the job."""
+    ordered = tuple(rows[index] for index in sorted(rows))
+    renderers = frozenset({row.renderer for row in ordered if row.renderer})
+    return PlayResults(ordered, interrupted, renderers)
 
 
 def _renderers_here(executor: Executor, jobs: Collection[Job]) -> frozenset[str]:
@@ -131,7 +137,7 @@ def _rows_of_outcome(
     return outcome.value
 
 
-def _shelf_of(results: dict[int, EpisodeRows], jobs: Sequence[Job]) -> FilmShelf:
+def shelf_of(results: dict[int, EpisodeRows], jobs: Sequence[Job]) -> FilmShelf:
     """The shelf with the films of finished episodes; those without a place are dropped there."""
     shelf = FilmShelf()
     for index, row in list(results.items()):
