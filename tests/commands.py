@@ -57,8 +57,9 @@ def server_pids(pid):
 def _spawned(pid):
     """Children of a process that run Python code of its (not Python's own resource tracker)."""
     pids = []
-    try:
-        children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    try:  # a child is that of the thread that started it
+        threads = list(Path(f"/proc/{pid}/task").iterdir())
+        children = " ".join((thread / "children").read_text() for thread in threads).split()
     except (FileNotFoundError, ProcessLookupError):  # it has ended
         return pids
     for child in children:

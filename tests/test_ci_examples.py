@@ -9,8 +9,11 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
+from scenarios.run.request import parse_shard
+
 ROOT = Path(__file__).parents[1]
 ACTION = ROOT / ".github/actions/pjpdaf-bench/action.yml"
+SHARDS = ROOT / "examples/ci/github-shards.yml"
 GITHUB, GITLAB = ROOT / "examples/ci/github.yml", ROOT / "examples/ci/gitlab-ci.yml"
 TINY = "--seeds 1 --set frames=2 --jobs 1"
 
@@ -56,6 +59,23 @@ def test_actions_are_pinned_to_those_of_our_own_ci():
     assert set(theirs) <= set(ours)
     place = next(one for one in used if one.startswith("OWNER/"))
     assert (ROOT / place.split("@")[0].removeprefix("OWNER/pjpdaf-bench/") / "action.yml").is_file()
+
+
+def test_the_shards_example_divides_a_run_and_merges_it():
+    jobs = read(SHARDS)["jobs"]
+    scripts = [s["run"] for job in jobs.values() for s in job["steps"] if "run" in s]
+    for script in scripts:
+        done = subprocess.run(["bash", "-n"], input=script, capture_output=True, text=True)
+        assert done.returncode == 0, (script, done.stderr)
+        assert "${{" not in script
+    used = re.findall(r"uses: (\S+@\S+)", SHARDS.read_text())
+    assert all(re.fullmatch(r"\S+@[0-9a-f]{40}", one) for one in used)
+    count = len(jobs["play"]["strategy"]["matrix"]["shard"])
+    play = next(script for script in scripts if "--shard" in script)
+    assert f'--shard "$SHARD/{count}" --out "shards/$SHARD"' in play
+    assert str(parse_shard(f"1/{count}")) == f"shard 1 of {count}"
+    assert jobs["merge"]["needs"] == "play"
+    assert scripts[-1] == "pjpdaf-bench merge shards/* --out runs/whole"
 
 
 def test_the_example_uses_only_inputs_that_there_are():

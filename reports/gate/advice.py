@@ -15,7 +15,7 @@ from reports.gate.statistics import Difference
 from reports.gate.text import interval_text, number, unit_text
 from reports.gate.verdict import Advice, MetricVerdict
 from reports.run.load import SavedRun
-from reports.summary.text import count, percent
+from reports.summary.text import count
 
 POWER = 0.8  # probability of a clear verdict that is asked for
 MOST_SEEDS = 1000  # of a scenario; whoever needs more has a margin that is too narrow
@@ -133,5 +133,7 @@ def advice_lines(advice: Advice) -> tuple[str, ...]:
     """The advice in words, without its commands."""
     if advice.seeds is None:
         return (f"why: {advice.reason}",)
-    chance = "" if advice.power is None else f", which tell with {percent(round(advice.power, 2))}"
+    chance = ""
+    if advice.power is not None:
+        chance = f", a clear verdict of each metric in {100 * advice.power:.0f} % of all cases"
     return f"why: {advice.reason}", f"to decide: --seeds {advice.seeds} of both{chance}"

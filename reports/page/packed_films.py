@@ -1,4 +1,4 @@
-"""Films of a run inside the page, as far as its bytes allow."""
+"""Films of the runs inside the page, as far as its bytes allow."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import numpy as np
 
 from reports.page.episode_tables import Key
 from reports.page.packing import base64_text
+from reports.run.films import FILM_BYTES
 from reports.run.load import SavedRun, read_film
 
-FILM_BYTES = 15_500_000  # of all whole films on a page
-STILL_BYTES = 620_000  # of the frames kept of other episodes
+FEWEST_FRAMES = 4  # of a film that is thinned to the room that is left
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,33 +33,70 @@ class PackedFilm:
         return base64_text(b"".join(self.pictures.values()))
 
 
-def packed_films(
-    run: SavedRun, order: Sequence[Key], budget: tuple[int, int]
-) -> dict[Key, PackedFilm]:
-    """Read films of a run in this order as far as the budgets go.
+@dataclass(frozen=True, eq=False)
+class FilmPlace:
+    """Where the page has the pictures of an episode.
 
-    budget: bytes of whole films and of kept frames. A whole film that does not fit is left out; the
-    kept frames of all other episodes are thinned evenly until they fit.
+    film: its own, None where it has those of `owner`, another run's episode of the same pictures.
     """
-    whole_left, still_left = budget
-    entries = {(e["scenario"], int(e["seed"])): e for e in run.meta["films"]}
-    whole: dict[Key, PackedFilm] = {}
-    kept: dict[Key, dict[int, bytes]] = {}
-    for key in [k for k in order if k in entries]:
-        entry = entries[key]
-        pictures = read_film(run, entry["file"])
-        if not entry["whole"]:
-            kept[key] = pictures
+
+    film: PackedFilm | None
+    owner: tuple[int, Key] | None = None
+
+
+def packed_films(
+    runs: Sequence[SavedRun], orders: Sequence[Sequence[Key]], room: int = FILM_BYTES
+) -> dict[tuple[int, Key], FilmPlace]:
+    """Films by the number of the run, scenario and seed.
+
+    orders: the episodes of each run, those first whose films are to be there first; room: bytes of
+    all films. The runs take turns. Pictures of the same digest and motion are there once. The first
+    film that does not fit is thinned evenly to what is left, and is the last.
+    """
+    stored = [{(f["scenario"], int(f["seed"])): f for f in run.meta["films"]} for run in runs]
+    digests = [_digests(run) for run in runs]
+    owners: dict[str, tuple[int, Key]] = {}
+    places: dict[tuple[int, Key], FilmPlace] = {}
+    for r, key in _in_turn(orders):
+        if room <= 0 or key not in stored[r]:
             continue
+        digest = digests[r].get(key) or f"{r} {key}"
+        if digest in owners:
+            continue
+        pictures = read_film(runs[r], stored[r][key]["file"])
         size = sum(map(len, pictures.values()))
-        if size <= whole_left:
-            whole_left -= size
-            whole[key] = PackedFilm(pictures, whole=True)
-    most = max((len(p) for p in kept.values()), default=0)
-    while most and sum(len(w) for p in kept.values() for w in p.values()) > still_left:
-        most -= 1
-        kept = {key: _thinned(pictures, most) for key, pictures in kept.items()}
-    return whole | {key: PackedFilm(p, whole=False) for key, p in kept.items() if p}
+        if size > room:
+            pictures = _thinned(pictures, int(len(pictures) * room / size))
+            size = room + 1
+        if len(pictures) >= min(FEWEST_FRAMES, int(stored[r][key]["frames"])):
+            whole = bool(stored[r][key]["whole"]) and size <= room
+            places[r, key] = FilmPlace(PackedFilm(pictures, whole))
+            owners[digest] = r, key
+        room -= size
+    for r, order in enumerate(orders):
+        for key in order:
+            owner = owners.get(digests[r].get(key, ""))
+            if owner is not None:
+                places.setdefault((r, key), FilmPlace(None, owner))
+    return places
+
+
+def _in_turn(orders: Sequence[Sequence[Key]]) -> list[tuple[int, Key]]:
+    """The first of every run, the second of every run, and so on."""
+    longest = max(map(len, orders), default=0)
+    return [(r, o[n]) for n in range(longest) for r, o in enumerate(orders) if n < len(o)]
+
+
+def _digests(run: SavedRun) -> dict[Key, str]:
+    """Digest and true motion of each episode: the same ones, the same pictures."""
+    return {
+        (scenario["name"], int(seed)): f"{digest} {truth}"
+        for scenario in run.meta["scenarios"]
+        for seed, digest, truth in zip(
+            scenario["seeds"], scenario["digests"], scenario["truths"], strict=True
+        )
+        if digest and truth
+    }
 
 
 def _thinned(pictures: Mapping[int, bytes], most: int) -> dict[int, bytes]:

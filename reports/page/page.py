@@ -12,7 +12,13 @@ from reports.gate.verdict import Verdict
 from reports.page.episode_tables import EpisodeTables, Key, episode_tables
 from reports.page.gate_section import gate_section
 from reports.page.headline import headline
-from reports.page.run_entries import RunEntry, opening_entry, run_entries, worst_entries
+from reports.page.run_entries import (
+    RunEntry,
+    films_left_out,
+    opening_entry,
+    run_entries,
+    worst_entries,
+)
 from reports.page.run_report import run_report
 from reports.page.scenario_sections import scenario_sections
 from reports.page.summary_tables import group_table, scenario_table, target_table
@@ -29,10 +35,16 @@ PLAYER = (
     "player_marks.js",
     "player_schematic.js",
     "player_view.js",
+    "player_paths.js",
     "player_space.js",
+    "player_lanes.js",
     "player_curves.js",
     "worst_film.js",
+    "player_compare.js",
+    "player_address.js",
     "player_controls.js",
+    "player_keys.js",
+    "player_start.js",
 )
 
 
@@ -77,7 +89,7 @@ def build_page(runs: Sequence[SavedRun], title: str = "", verdict: Verdict | Non
         opening=opening_entry(entries),
         sections=sections,
         entries=entries,
-        films_left_out=_films_left_out(runs, entries),
+        films_left_out=films_left_out(runs, entries),
         figures=_figures(played, names, by_key),
         targets=TARGETS,
         count=count,
@@ -116,9 +128,3 @@ def _figures(
             entry = by_key[f"{r}-{names.index(scenario)}-{seed}"]
         figures.append((figure, entry))
     return figures
-
-
-def _films_left_out(runs: Sequence[SavedRun], entries: Sequence[RunEntry]) -> int:
-    """Count the whole films that are in a run's folder and not in the page."""
-    kept = sum(bool(film["whole"]) for run in runs for film in run.meta["films"])
-    return kept - sum(e.film is not None and e.film.whole for e in entries)

@@ -17,8 +17,10 @@ from pjpdaf.interfaces import STATUSES
 from pjpdaf.targets import RIGHT_HAND, TARGETS
 from reports.page.episode_tables import EpisodeTables
 from reports.page.packing import json_text
+from reports.page.time_lanes import time_lanes
 from reports.score.records import VIEWS
 from reports.words import event_text, labels_text
+from sim.event_names import is_merge
 
 _SHAPE = ("x_px", "y_px", "a_px", "b_px", "angle_rad")
 
@@ -33,8 +35,8 @@ def episode_data(episode: EpisodeTables) -> dict[str, Any]:
     F = len(episode.index)
     status = episode.column("status")
     merged = episode.column("merged").astype(bool)
-    labels = episode.column("labels")[:, 0]
-    changes = [i for i in range(F) if i == 0 or labels[i] != labels[i - 1]]
+    phases = [phase_text(str(text)) for text in episode.column("labels")[:, 0]]
+    changes = [i for i in range(F) if i == 0 or phases[i] != phases[i - 1]]
     return {
         "scenario": episode.scenario,
         "seed": episode.seed,
@@ -47,9 +49,18 @@ def episode_data(episode: EpisodeTables) -> dict[str, Any]:
         "exchange": _deltas(episode.column("exchange_probability")[:, RIGHT_HAND] * 1e3),
         "status": ["".join(str(STATUSES.index(s)) for s in status[:, t]) for t in range(3)],
         "merged": ["".join("01"[int(m)] for m in merged[:, t]) for t in range(3)],
-        "labels": [[i, labels_text(str(labels[i]).split(";"))] for i in changes],
+        "labels": [[i, phases[i]] for i in changes],
         "detections": [_detections(episode, view) for view in VIEWS],
         "cameras": [_camera(row) for row in episode.cameras.to_dict("records")],
+        "lanes": [
+            {
+                "kind": lane.kind,
+                "text": lane.text,
+                "target": lane.target,
+                "spans": [list(span) for span in lane.spans],
+            }
+            for lane in time_lanes(episode)
+        ],
         "events": [
             {
                 "kind": str(event["kind"]),
@@ -61,6 +72,11 @@ def episode_data(episode: EpisodeTables) -> dict[str, Any]:
             for event in episode.events.to_dict("records")
         ],
     }
+
+
+def phase_text(labels: str) -> str:
+    """What a person does in a frame, without the merges, which have lanes of their own."""
+    return labels_text(name for name in labels.split(";") if not is_merge(name))
 
 
 def worst_frame(episode: EpisodeTables, pictured: Collection[int] = ()) -> int:

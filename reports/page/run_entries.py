@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,10 +10,10 @@ import pandas as pd
 
 from reports.page.enlarged_pictures import EnlargedPicture, enlarged_pictures
 from reports.page.episode_tables import EpisodeTables, Key
-from reports.page.packed_films import FILM_BYTES, STILL_BYTES, PackedFilm, packed_films
+from reports.page.packed_films import FilmPlace, PackedFilm, packed_films
 from reports.page.player import pack, worst_frame
 from reports.run.load import SavedRun
-from reports.score.ranking import MAX_WORST, badness, went_wrong, worst_first
+from reports.score.ranking import MAX_WORST, badness, film_rank, went_wrong
 from reports.summary.text import count
 from reports.words import FLAGS
 
@@ -24,7 +24,9 @@ class RunEntry:
 
     key: of its data in the page; run: its name, "" where there is one run; flags: its kinds of
     failure; went_wrong: it belongs among the failures; worst_frame: that of the largest error;
-    data: packed for the player; command: plays it again, "" where the page does not say.
+    data: packed for the player; film: its pictures, None where it has none of its own;
+    film_owner: key of the entry whose film has the same pictures; command: plays it again, "" where
+    the page does not say.
     """
 
     key: str
@@ -39,6 +41,7 @@ class RunEntry:
     redraws: int
     data: str
     film: PackedFilm | None
+    film_owner: str
     pictures: tuple[EnlargedPicture, ...]
     command: str = ""
 
@@ -46,7 +49,7 @@ class RunEntry:
     def film_text(self) -> str:
         """The extent of its film in words."""
         if self.film is None:
-            return "no pictures"
+            return "film" if self.film_owner else "no pictures"
         return "film" if self.film.whole else count(len(self.film.pictures), "picture")
 
 
@@ -58,6 +61,17 @@ def opening_entry(entries: Sequence[RunEntry]) -> RunEntry | None:
 def worst_entries(entries: Sequence[RunEntry]) -> list[RunEntry]:
     """At most `MAX_WORST` episodes that went wrong, the worst first."""
     return sorted((e for e in entries if e.went_wrong), key=_worst_first)[:MAX_WORST]
+
+
+def films_left_out(runs: Sequence[SavedRun], entries: Sequence[RunEntry]) -> int:
+    """Count the films in the runs' folders that the page has no room for."""
+    bare = {
+        (int(entry.key.partition("-")[0]), entry.scenario, entry.seed)
+        for entry in entries
+        if entry.film is None and not entry.film_owner
+    }
+    films = ((r, film) for r, run in enumerate(runs) for film in run.meta["films"])
+    return sum((r, film["scenario"], int(film["seed"])) in bare for r, film in films)
 
 
 def _worst_first(entry: RunEntry) -> tuple[bool, float, float]:
@@ -73,32 +87,44 @@ def run_entries(
     """
     place = {name: n for n, name in enumerate(names)}
     pictures = enlarged_pictures(runs)
+    rows = [_rows_of(run) for run in runs]
+    orders = [_film_order(mine, episodes) for mine, episodes in zip(rows, played, strict=True)]
+    films = packed_films(runs, orders)
+
+    def key_of(r: int, episode: Key) -> str:
+        return f"{r}-{place[episode[0]]}-{episode[1]}"
+
     listed: dict[tuple[int, int, int], RunEntry] = {}
-    budget = (FILM_BYTES // len(runs), STILL_BYTES // len(runs))
     for r, (run, episodes) in enumerate(zip(runs, played, strict=True)):
-        rows = _rows_of(run)
-        worst = worst_first(rows)
-        films = packed_films(run, [*worst, *(k for k in episodes if k not in worst)], budget)
         for (scenario, seed), episode in episodes.items():
-            n = place[scenario]
-            film = films.get((scenario, seed))
-            outside, mean_mm = badness(rows[scenario, seed])
-            listed[n, r, seed] = RunEntry(
-                key=f"{r}-{n}-{seed}",
+            mine = rows[r][scenario, seed]
+            at = films.get((r, (scenario, seed)), FilmPlace(None))
+            shown = at.film or (films[at.owner].film if at.owner is not None else None)
+            outside, mean_mm = badness(mine)
+            listed[place[scenario], r, seed] = RunEntry(
+                key=key_of(r, (scenario, seed)),
                 run=run.name if len(runs) > 1 else "",
                 scenario=scenario,
                 seed=seed,
                 flags=_flags(episode.events),
                 within_100=1.0 - outside,
                 mean_mm=mean_mm,
-                went_wrong=went_wrong(rows[scenario, seed]),
-                worst_frame=worst_frame(episode, film.pictures if film is not None else ()),
-                redraws=int(rows[scenario, seed][0]["redrawn"]),
+                went_wrong=went_wrong(mine),
+                worst_frame=worst_frame(episode, shown.pictures if shown is not None else ()),
+                redraws=int(mine[0]["redrawn"]),
                 data=pack(episode),
-                film=film,
+                film=at.film,
+                film_owner=key_of(*at.owner) if at.owner is not None else "",
                 pictures=pictures.get((r, scenario, seed), ()),
             )
     return tuple(listed[key] for key in sorted(listed))
+
+
+def _film_order(
+    rows: Mapping[Key, Sequence[Mapping[Any, Any]]], episodes: Iterable[Key]
+) -> list[Key]:
+    """Episodes in the order in which their films are kept."""
+    return sorted(episodes, key=lambda key: film_rank(key, rows[key]))
 
 
 def _rows_of(run: SavedRun) -> dict[Key, list[Mapping[Any, Any]]]:

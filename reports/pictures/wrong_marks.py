@@ -22,6 +22,7 @@ from reports.pictures.overlay import (
 from reports.pictures.overlay import SHIFT as SHIFT_BITS
 
 TILE_PX = (320, 240)
+WRONG_M = 0.10  # of an estimate from its own truth; `player_marks.js` has the same bound
 # BGR, the bright ones of the page's player: the scenes are dark.
 TARGET_COLOURS: tuple[Colour, ...] = ((94, 143, 255), (160, 220, 63), (255, 189, 116))
 RED: Colour = (46, 46, 235)

@@ -28,7 +28,7 @@ def provenance(argv: Sequence[str] = (), renderer: str = "") -> dict[str, object
     """
     commit, dirty = _commit(Path(__file__).resolve().parent)
     return {
-        "versions": {"python": platform.python_version(), **package_versions()},
+        "versions": versions(),
         "platform": f"{platform.system()} {platform.machine()}",
         "cpu": _cpu(),
         "renderer": renderer,
@@ -38,15 +38,20 @@ def provenance(argv: Sequence[str] = (), renderer: str = "") -> dict[str, object
     }
 
 
+def versions() -> dict[str, str]:
+    """Versions of Python and of the packages on which results depend."""
+    return {"python": platform.python_version(), **package_versions()}
+
+
 def package_versions(names: Sequence[str] = PACKAGES) -> dict[str, str]:
     """Versions of packages, as far as they are installed."""
-    versions = {}
+    found = {}
     for name in names:
         try:
-            versions[name] = importlib.metadata.version(name)
+            found[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
-            versions[name] = "not installed"
-    return versions
+            found[name] = "not installed"
+    return found
 
 
 def _cpu() -> str:

@@ -28,13 +28,18 @@ def went_wrong(rows: Sequence[Mapping[str, Any]]) -> bool:
     return failed or badness(rows)[0] > 0.05
 
 
-def worst_first(
-    episodes: Mapping[tuple[str, int], Sequence[Mapping[str, Any]]],
-) -> list[tuple[str, int]]:
-    """(scenario, seed) of at most `MAX_WORST` episodes that went wrong, the worst first.
+# (0, -share outside, -mean mm, scenario, seed) of what went wrong, else (1, seed, scenario).
+FilmRank = tuple[int, float, float, str, int] | tuple[int, int, str]
 
-    episodes: the rows of each, by scenario and seed; ties are in order of these.
+
+def film_rank(key: tuple[str, int], rows: Sequence[Mapping[str, Any]]) -> FilmRank:
+    """The place of an episode (scenario, seed) in the order of films; smaller comes first.
+
+    First those that went wrong, the worst first; then the others by seed, so that every scenario
+    has one before any has two. It depends on the episode alone. rows: as of `badness`.
     """
-    wrong = sorted(key for key, rows in episodes.items() if went_wrong(rows))
-    order = sorted(wrong, key=lambda key: badness(episodes[key]), reverse=True)
-    return order[:MAX_WORST]
+    scenario, seed = key
+    if not went_wrong(rows):
+        return 1, seed, scenario
+    outside, mean_mm = badness(rows)
+    return 0, -outside, -mean_mm, scenario, seed

@@ -10,7 +10,7 @@ from typing import Any
 from pjpdaf.targets import TARGETS
 from reports.page.episode_tables import episode_tables
 from reports.page.page import PLAYER
-from reports.page.run_entries import RunEntry, opening_entry, run_entries
+from reports.page.run_entries import RunEntry, films_left_out, opening_entry, run_entries
 from reports.page.templating import rendered, script, shared_scripts, styles, write_text
 from reports.run.load import SavedRun, read_film
 from reports.stress.load import StressFolder, load_stress
@@ -120,9 +120,7 @@ def _played(
         family, colon, _ = entry.scenario.partition(":")
         families.setdefault(family if colon else "failures", []).append(entry)
     sections = [PlayerSection(name, tuple(group)) for name, group in families.items()]
-    kept = sum(bool(film["whole"]) for run in runs for film in run.meta["films"])
-    shown = sum(e.film is not None and e.film.whole for e in entries)
-    return played, entries, sections, kept - shown
+    return played, entries, sections, films_left_out(runs, entries)
 
 
 def _replays(folders: Sequence[StressFolder]) -> dict[tuple[str, int], str]:

@@ -16,8 +16,7 @@ from reports.page.episode_tables import EpisodeTables
 from reports.pictures.contact_sheet import GAP_PX
 from reports.pictures.encode import picture_of
 from reports.pictures.overlay import SHIFT, STRIP, WHITE, draw_text, fixed, text_width
-from reports.pictures.wrong_marks import RED, TILE_PX, crop_about, marked_tile
-from reports.score.events import LOST_M
+from reports.pictures.wrong_marks import RED, TILE_PX, WRONG_M, crop_about, marked_tile
 from reports.words import EXCHANGED, event_text
 
 OFFSETS_S = (-1.4, -0.7, -0.35, 0.0, 0.7, 1.7)  # of the frames, from the start of the event
@@ -58,7 +57,7 @@ def strip(episode: EpisodeTables, film: Mapping[int, bytes], measure: str) -> tu
     for i, (truth_px, estimates_px) in zip(places, pixels, strict=True):
         frame = int(episode.index[i])
         badge = badge_of(episode.events, frame)
-        wrong = errors[i] > 1e3 * LOST_M
+        wrong = errors[i] > 1e3 * WRONG_M
         if badge == EXCHANGED:
             wrong[[RIGHT_HAND, LEFT_HAND]] = True
         picture = marked_tile(

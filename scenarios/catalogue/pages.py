@@ -19,7 +19,7 @@ from reports.page.catalogue import (
     catalogue_page,
 )
 from reports.pictures.contact_sheet import small_jpeg
-from reports.run.provenance import provenance
+from reports.run.provenance import versions
 from scenarios.catalogue.pictures import draw_scenarios
 from scenarios.catalogue.scenario_picture import ScenarioPicture
 from scenarios.console.folder import unfinished
@@ -74,7 +74,7 @@ def write_catalogue(html: Path | None, markdown: Path | None, workers: int) -> l
 
 def catalogue_identity(renderer: str) -> str:
     """What decides the pictures beside their scenarios: renderer, our code, libraries."""
-    return json.dumps(["catalogue", renderer, code_digest(), provenance()["versions"]])
+    return json.dumps(["catalogue", renderer, code_digest(), versions()])
 
 
 def _write_pages(

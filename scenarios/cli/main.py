@@ -43,6 +43,7 @@ app = typer.Typer(
 )
 for verb in (
     run.run,
+    run.merge,
     gate.compare,
     run.report,
     run.score,

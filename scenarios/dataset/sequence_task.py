@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.plugins.registry import describe_exception
-from reports.run.provenance import PACKAGES, provenance
+from reports.run.provenance import PACKAGES, versions
 from scenarios.dataset.folder import locked
 from scenarios.dataset.sequence_plan import sequence_entry
 from scenarios.execute.executor import Executor
@@ -50,8 +50,7 @@ class SentSequence:
 
 def library_versions() -> dict[str, str]:
     """Versions of the packages on which the bytes of a data set depend."""
-    installed = provenance()["versions"]
-    assert isinstance(installed, dict)
+    installed = versions()
     wanted = ("mujoco", "numpy", "opencv-python-headless", "pjpdaf-bench", "scipy", "pyarrow")
     return {name: installed[name] for name in wanted if name in PACKAGES}
 

@@ -55,7 +55,6 @@ START_S = 300.0  # for a worker to start an isolated process and to import what 
 BATCH = 100  # tasks in one message
 AHEAD = 32  # tasks that wait at the scheduler, beside two for each thread of a worker
 _WORKER = "scenarios.execute.cluster_worker"
-_LOGGERS = ("distributed", "tornado", "asyncio", "bokeh")
 T = TypeVar("T")
 R = TypeVar("R")
 
@@ -400,12 +399,9 @@ def _local_cluster(workers: int) -> Iterator[Any]:
 @contextmanager
 def _silent_loggers() -> Iterator[None]:
     """Keep Dask's own lines from standard error: each of its faults becomes one of ours."""
-    loggers = [logging.getLogger(name) for name in _LOGGERS]
-    before = [logger.level for logger in loggers]
-    for logger in loggers:
-        logger.setLevel(logging.CRITICAL + 1)
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)  # ours are none
     try:
         yield
     finally:
-        for logger, level in zip(loggers, before, strict=True):
-            logger.setLevel(level)
+        logging.disable(before)

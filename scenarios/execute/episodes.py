@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from pjpdaf.errors import BenchError, InfrastructureError, PlugInFault
 from pjpdaf.plugins.registry import describe_exception
-from reports.run.films import films_to_keep
+from reports.run.films import FilmShelf
 from reports.run.rows import EpisodeRows, rows_of
 from reports.score.records import EpisodeFailure, FailureKind
 from scenarios.execute.executor import Executor
@@ -81,19 +81,26 @@ def play_all(
             if renderers and row.renderer and row.renderer not in renderers:
                 tasks[index] = jobs[index]
                 del results[index]
+        shelf = shelf_of(results, jobs)
         for indexed in executor.outcomes(_play_safely, tasks, time_limit_s):
             if indexed is None:
                 continue
             index, outcome = indexed
             results[index] = _rows_of_outcome(outcome, jobs[index], time_limit_s)
             if results[index].film:
-                _drop_films(results)
+                _without_films(results, shelf.add(index, results[index]))
             on_done(index, results[index])
     except KeyboardInterrupt:
         interrupted = True
-    rows = tuple(results[i] for i in sorted(results))
-    drawn_by = frozenset({row.renderer for row in rows if row.renderer})
-    return PlayResults(rows, interrupted, drawn_by or renderers)
+    played = results_of(results, interrupted)
+    return played if played.renderers else replace(played, renderers=renderers)
+
+
+def results_of(rows: Mapping[int, EpisodeRows], interrupted: bool = False) -> PlayResults:
+    """Results by the index of the job."""
+    ordered = tuple(rows[index] for index in sorted(rows))
+    renderers = frozenset({row.renderer for row in ordered if row.renderer})
+    return PlayResults(ordered, interrupted, renderers)
 
 
 def _renderers_here(executor: Executor, jobs: Collection[Job]) -> frozenset[str]:
@@ -130,12 +137,21 @@ def _rows_of_outcome(
     return outcome.value
 
 
-def _drop_films(results: dict[int, EpisodeRows]) -> None:
+def shelf_of(results: dict[int, EpisodeRows], jobs: Sequence[Job]) -> FilmShelf:
+    """The shelf with the films of finished episodes; those without a place are dropped there."""
+    shelf = FilmShelf()
+    for index, row in list(results.items()):
+        if row.film:
+            _without_films(results, shelf.add(index, row))
+        elif jobs[index].keep_film and not row.failure:
+            _without_films(results, shelf.close(row))
+    return shelf
+
+
+def _without_films(results: dict[int, EpisodeRows], dropped: Sequence[int]) -> None:
     """Forget films that will not be saved: all of them together would not fit into memory."""
-    kept = films_to_keep(list(results.values()))
-    for index, row in results.items():
-        if row.film and (row.scenario, row.seed) not in kept:
-            results[index] = replace(row, film=())
+    for index in dropped:
+        results[index] = replace(results[index], film=())
 
 
 def _failure(job: Job, kind: FailureKind, reason: str) -> EpisodeRows:

@@ -85,6 +85,33 @@ class Journal:
         finally:
             os.close(file)
 
+    @staticmethod
+    @contextmanager
+    def reading(folder: Path) -> Iterator[tuple[str | None, Finished]]:
+        """Identity and results of a journal, which is not changed. Raises BenchError.
+
+        The identity is None where its record is damaged.
+        """
+        path = folder / FILE
+        try:
+            file = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+        except OSError as error:
+            raise BenchError(f"{path}: cannot be read: {error.strerror or error}") from error
+        try:
+            try:
+                fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise BenchError(
+                    f"{folder}: another process is writing there; wait for it"
+                ) from None
+            except OSError:
+                pass  # a disk without locks
+            journal = Journal(path, file)
+            _, owner = journal._index()
+            yield owner, journal.finished
+        finally:
+            os.close(file)
+
     def append(self, key: str, payload: bytes) -> None:
         """Keep a result; it is on the disk when this returns.
 
@@ -110,6 +137,20 @@ class Journal:
 
     def _read(self, identity: str) -> None:
         """Index all whole records; cut a torn one off the end."""
+        kept, owner = self._index()
+        if kept > 0 and owner != identity:
+            raise BenchError(
+                f"{self._path.parent}: holds results of other work, or of another version; give "
+                "another folder, or remove it."
+            )
+        # Whatever lies behind the last whole record was being written when its writer was killed.
+        os.ftruncate(self._file, kept)
+        self._end = kept
+        if owner is None:
+            self.append(_IDENTITY, identity.encode())
+
+    def _index(self) -> tuple[int, str | None]:
+        """Index all whole records: where the last one ends, and whose work they are."""
         size = os.fstat(self._file).st_size
         offset, kept, owner = 0, 0, None
         while offset < size:
@@ -124,16 +165,7 @@ class Journal:
             else:
                 self.finished._add(key, start, length)
             offset = kept = start + length
-        if kept > 0 and owner != identity:
-            raise BenchError(
-                f"{self._path.parent}: holds results of other work, or of another version; give "
-                "another folder, or remove it."
-            )
-        # Whatever lies behind the last whole record was being written when its writer was killed.
-        os.ftruncate(self._file, kept)
-        self._end = kept
-        if owner is None:
-            self.append(_IDENTITY, identity.encode())
+        return kept, owner
 
     def _record_at(self, offset: int, size: int) -> tuple[str, int, int] | None:
         """(key, offset and length of the payload) of a whole record; None where there is none."""

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from pjpdaf.plugins.registry import DETECTORS, TRACKERS
 from pjpdaf.presets.registry import PRESETS
-from reports.run.provenance import PACKAGES, provenance
+from reports.run.provenance import PACKAGES, versions
 from scenarios.execute.code_digest import code_digest, plug_in_digest
 
 OUR_CODE = "the code of pjpdaf-bench"
@@ -48,12 +48,10 @@ def software(plug_ins: PlugIns) -> Mapping[str, str]:
     """
     if plug_ins.folder and plug_ins.folder not in sys.path:
         sys.path.append(plug_ins.folder)
-    versions = provenance()["versions"]
-    assert isinstance(versions, dict)
     named = [(name, DETECTORS, "detector") for name in plug_ins.detectors]
     named += [(name, TRACKERS, "tracker") for name in plug_ins.trackers]
     digests = {f"{kind} {name!r}": plug_in_digest(name, group) for name, group, kind in named}
-    return {OUR_CODE: code_digest(), **versions, **digests}
+    return {OUR_CODE: code_digest(), **versions(), **digests}
 
 
 def differences(theirs: Mapping[str, str], ours: Mapping[str, str]) -> str:

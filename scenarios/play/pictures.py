@@ -12,6 +12,7 @@ from reports.pictures.stills import still
 from reports.score.records import Episode, OverlayPicture, Still
 from sim.truth import Truth
 
+MAX_FILM_FRAMES = 600
 MAX_PICTURES = 12
 EVENLY_SPACED_PICTURES = 5
 
@@ -19,9 +20,9 @@ EVENLY_SPACED_PICTURES = 5
 class PictureCollector:
     """Collects pictures and film of an episode; `add` is called for every frame, in order.
 
-    cameras: those that filmed; frame_count: of the episode; pictures: keep overlay pictures, and
-    plain ones, of the frames that a `PictureChooser` chooses; film: keep a small plain picture of
-    every frame.
+    cameras: those that filmed; frame_count: of the episode; pictures: keep overlay pictures of the
+    frames that a `PictureChooser` chooses; film: keep a small plain picture of every frame, or, of
+    more than `MAX_FILM_FRAMES`, of every second, third, ... frame.
     """
 
     def __init__(
@@ -29,20 +30,19 @@ class PictureCollector:
     ) -> None:
         self._cameras = cameras
         self._chooser = PictureChooser(frame_count) if pictures else None
-        self._whole_film = film
+        self._film_step = -(-frame_count // MAX_FILM_FRAMES) if film else 0
         self._pictures: list[OverlayPicture] = []
         self._film: list[Still] = []
 
     def add(self, followed: FollowedFrame, truth: Truth) -> None:
         """Draw the frame, if it is to be kept."""
         frame = followed.frame
-        chosen = self._chooser is not None and self._chooser.chooses(truth)
-        if chosen:
+        if self._chooser is not None and self._chooser.chooses(truth):
             picture = overlay_jpeg(
                 frame, self._cameras, followed.detections, followed.estimates, truth
             )
             self._pictures.append(OverlayPicture(frame.index, picture))
-        if chosen or self._whole_film:
+        if self._film_step and frame.index % self._film_step == 0:
             self._film.append(Still(frame.index, still(frame, self._cameras)))
 
     def added_to(self, episode: Episode) -> Episode:

@@ -13,7 +13,7 @@ import numpy as np
 
 from pjpdaf.detector.external import DetectionTable
 from pjpdaf.plugins.registry import DETECTORS, TRACKERS
-from reports.run.provenance import provenance
+from reports.run.provenance import versions
 from scenarios.execute.code_digest import code_digest, plug_in_digest
 from scenarios.play.job import Job, digest_of
 from sim.dataset.files.checksums import sha256_of
@@ -27,7 +27,7 @@ def run_identity(jobs: Sequence[Job], preset: str) -> str:
         "jobs": [job_key(job) for job in jobs],
         "preset": preset,
         "code": code_digest(),
-        "versions": provenance()["versions"],
+        "versions": versions(),
         "plug-ins": [
             plug_in_digest(system.detector, DETECTORS),
             plug_in_digest(system.tracker, TRACKERS),

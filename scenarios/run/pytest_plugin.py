@@ -178,7 +178,7 @@ def _play_and_save(
     from scenarios.cache.settings import cache_settings
     from scenarios.execute.episodes import play_all
     from scenarios.execute.local import local_executor, worker_count
-    from scenarios.run.run import refuse_failures
+    from scenarios.run.finish import refuse_failures
     from scenarios.run.save_run import save_run
 
     with local_executor(worker_count(workers)) as executor:

@@ -22,10 +22,11 @@ from scenarios.execute import journal
 from scenarios.execute.journal import Journal
 from scenarios.play.job import Job
 from scenarios.run.identity import job_key, run_identity
-from scenarios.run.request import REQUEST, RunRequest, write_request
+from scenarios.run.request import REQUEST, RunRequest, Shard, stored_request, write_request
 from sim.files import disk_faults
 
 # Failures of the machine, not of the episode: such an episode is played again.
+FAILED = "failed "  # before the key of such an episode, in the journal of a shard
 OF_THE_MACHINE = ("worker died", "time limit")
 
 
@@ -33,20 +34,16 @@ OF_THE_MACHINE = ("worker died", "time limit")
 class UnfinishedRun:
     """A reserved run: no other process can begin it or go on with it.
 
-    folder: of the saved run, absolute; shown: as it was named; finished: rows of the finished
-    episodes, by the index of the job.
+    folder: of the saved run, absolute; shown: as it was named; part: its own folder; finished:
+    rows of the finished episodes, by the index of the job.
     """
 
     folder: Path
     shown: Path
+    part: Path
     jobs: Sequence[Job]
     finished: Mapping[int, EpisodeRows]
     _journal: Journal
-
-    @property
-    def part(self) -> Path:
-        """Its folder."""
-        return unfinished(self.folder)
 
     @property
     def kept(self) -> int:
@@ -66,6 +63,11 @@ class UnfinishedRun:
         if rows.failure_kind not in OF_THE_MACHINE:
             with self.kept_after_faults():
                 self._journal.append(job_key(job), rows_to_bytes(rows))
+
+    def keep_failure(self, job: Job, rows: EpisodeRows) -> None:
+        """Keep an episode that failed for the machine, for a merge; here it is played again."""
+        with self.kept_after_faults():
+            self._journal.append(FAILED + job_key(job), rows_to_bytes(rows))
 
     @contextmanager
     def kept_after_faults(self) -> Iterator[None]:
@@ -113,10 +115,32 @@ def reserved(
             _remove_all_but_journal(part)
             with disk_faults(part, "the run"):
                 write_request(part / REQUEST, request)
-            yield UnfinishedRun(folder, shown, jobs, _finished_rows(opened, jobs), opened)
+            yield UnfinishedRun(folder, shown, part, jobs, _finished_rows(opened, jobs), opened)
         finally:
             if not opened.finished:
                 shutil.rmtree(part, ignore_errors=True)
+
+
+@contextmanager
+def reserved_shard(
+    request: RunRequest, shard: Shard, folder: Path, jobs: Sequence[Job]
+) -> Iterator[UnfinishedRun]:
+    """Reserve the folder of a shard, and read what was finished of it before.
+
+    jobs: of the whole run; those of the unfinished run are the shard's. Its journal has the
+    identity of the whole run. Raises BenchError as `reserved`.
+    """
+    place = Path(os.path.abspath(folder))  # noqa: PTH100 - as in `reserved`
+    own = [job for number, job in enumerate(jobs) if shard.owns(number)]
+    if not own:
+        raise BenchError(f"--shard {shard.index}/{shard.count}: the run has {len(jobs)} episodes")
+    with Journal.open(place, run_identity(jobs, request.preset)) as opened:
+        with disk_faults(place, "the shard"):
+            before = place / REQUEST
+            if before.is_file() and (had := stored_request(before).shard) != shard:
+                raise BenchError(f"{folder}: holds {had}; give {shard} another folder")
+            write_request(before, request)
+        yield UnfinishedRun(place, folder, place, own, _finished_rows(opened, own), opened)
 
 
 def _new_folder(names: Sequence[str]) -> Path:

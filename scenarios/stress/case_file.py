@@ -71,8 +71,8 @@ def load_case(path: Path) -> CorpusCase:
     if case.digest != record.digest:
         now = find_family(record.family).scenario.version
         raise NotComparable(
-            f"{path}: not comparable: {record.scenario} has changed since (version "
-            f"{record.version} then, {now} now); search again"
+            f"{path}: not comparable: {record.scenario} has changed since, or the file was edited "
+            f"(version {record.version} then, {now} now); search again"
         )
     return record
 

@@ -1,112 +1,97 @@
-// Curves of the errors and lanes of the events, with a cursor at the frame.
+// Curves of the errors with a cursor at the frame; below them the lanes of player_lanes.js, on the same scale.
 const curves = part("curves");
-const DASHES = [[], [7, 4], [2, 3]];
-const LEFT = 58, RIGHT = 12, PANEL = 104, GAP = 26, TOP = 8, LANE = 17;
+const RIGHT = 12, PANEL = 104, GAP = 26, TOP = 8;
 
-function lanes(ep) {
-  const verbs = { swap: "swapped", lost: "lost", capture: "captured" };
-  const rows = new Map();
-  for (const event of ep.events) {
-    if (!verbs[event.kind]) continue;
-    const who = event.kind === "swap" ? "hands" : ["head", "right", "left"][event.target];
-    const name = `${who} ${verbs[event.kind]}`;
-    if (!rows.has(name)) rows.set(name, []);
-    rows.get(name).push(event);
-  }
-  return rows;
-}
+// Where the scale of the frames begins: right of the names of the lanes, where there is room for them.
+const leftOf = (w) => w > 600 ? 176 : 46;
 
 function columnOf(ep, i, w) {
   const last = Math.max(1, ep.frames.length - 1);
-  return LEFT + (w - LEFT - RIGHT) * i / last;
+  return leftOf(w) + (w - leftOf(w) - RIGHT) * i / last;
 }
 
-function drawCurves(ep, i) {
-  const rows = ep.lanes ??= lanes(ep);
-  // A lane of its own for the stated probability that the hands are exchanged, where there is any.
-  const doubt = ep.doubt ??= ep.exchange.some((p) => p >= 0.01);
-  const height = TOP + 2 * PANEL + GAP + 26 + LANE * (rows.size + doubt);
+// Half the width of a frame's column.
+const halfOf = (ep, w) => ep.frames.length > 1 ? (columnOf(ep, 1, w) - columnOf(ep, 0, w)) / 2 : 4;
+
+// second: another run's episode of the same frames, with dashed curves, or null.
+function drawCurves(ep, i, second = null) {
+  const rows = lanesOf(ep, second), box = curves.clientWidth, row = rowHeight(box);
+  const tall = TOP + 2 * PANEL + GAP, height = tall + 26 + row * rows.length;
   if (curves.style.height !== height + "px") curves.style.height = height + "px";
   const [ctx, w] = surface(curves);
-  const x = (n) => columnOf(ep, n, w);
-  const n = ep.frames.length, half = n > 1 ? (x(1) - x(0)) / 2 : 4;
+  const x = (n) => columnOf(ep, n, w), half = halfOf(ep, w), last = ep.frames.length - 1;
   ctx.font = `11px ${ink.font}`;
-  const tall = TOP + 2 * PANEL + GAP;
-  ctx.fillStyle = ink.merged;
-  for (let f = 0; f < n; f++) {
-    if (ep.merged.every((flags) => flags[f] === "0")) continue;
-    ctx.fillRect(x(f) - half, TOP, 2 * half, tall - TOP);
+  for (const lane of ep.lanes.filter((l) => SHADES[l.kind])) {
+    ctx.fillStyle = ink[SHADES[lane.kind]];
+    for (const [from, to] of lane.spans) ctx.fillRect(x(from) - half, TOP, x(to) - x(from) + 2 * half, tall - TOP);
   }
-  [[ep.mm, "3-D error", "mm", 400], [ep.px, "Err_acc", "px", 80]].forEach(([values, title, unit, cap], p) => {
-    const y0 = TOP + p * (PANEL + GAP), y1 = y0 + PANEL;
-    let top = ep["top" + p];
-    if (!top) {
-      const all = values.flatMap((v) => [...v]).filter(Number.isFinite);
-      top = ep["top" + p] = Math.min(cap, nice(Math.max(1, ...all) / 4) * 4);
-    }
-    const y = (v) => y1 - Math.min(v, top) / top * PANEL;
-    ctx.textAlign = "right"; ctx.lineWidth = 1;
-    for (let k = 0; k <= 4; k++) {
-      const level = top * k / 4;
-      ctx.strokeStyle = ink.grid; ctx.beginPath(); ctx.moveTo(LEFT, y(level)); ctx.lineTo(w - RIGHT, y(level)); ctx.stroke();
-      if (k % 2 === 0) { ctx.fillStyle = ink.soft; ctx.fillText(String(+level.toFixed(2)), LEFT - 6, y(level) + 4); }
-    }
-    ctx.save(); ctx.translate(13, (y0 + y1) / 2); ctx.rotate(-Math.PI / 2); ctx.textAlign = "center";
-    ctx.fillStyle = ink.text; ctx.fillText(`${title} [${unit}]`, 0, 0); ctx.restore();
+  const shown = second ? [ep, second.ep] : [ep];
+  [["mm", "3-D error", 400], ["px", "Err_acc", 80]].forEach(([name, title, cap], p) => {
+    const y0 = TOP + p * (PANEL + GAP);
+    const all = shown.flatMap((e) => e[name].flatMap((v) => [...v])).filter(Number.isFinite);
+    const top = Math.min(cap, nice(Math.max(1, ...all) / 4) * 4);
+    drawScale(ctx, w, y0, top, `${title} [${name}]`);
+    if (name === "mm" && top > WRONG_MM) drawLimit(ctx, w, y0 + PANEL * (1 - WRONG_MM / top));
+    const others = second ? second.ep[name].map((v) => ep.frames.map((f) => v[second.ep.place.get(f)] ?? NaN)) : [];
     for (let t = 0; t < 3; t++) {
-      ctx.strokeStyle = ctx.fillStyle = ink.targets[t];
-      ctx.setLineDash(DASHES[t]); ctx.lineWidth = 1.8; ctx.lineJoin = "round";
-      ctx.beginPath();
-      let down = false;
-      for (let f = 0; f < n; f++) {
-        const v = values[t][f];
-        if (Number.isNaN(v)) { down = false; continue; }
-        if (down) ctx.lineTo(x(f), y(v)); else { ctx.moveTo(x(f), y(v)); ctx.lineTo(x(f) + 0.1, y(v)); }
-        down = true;
-      }
-      ctx.stroke(); ctx.setLineDash([]);
-      for (let f = 0; f < n; f++) {
-        if (!(values[t][f] > top)) continue;
-        // Beyond the axis: a small arrow.
-        ctx.beginPath(); ctx.moveTo(x(f), y0 - 4); ctx.lineTo(x(f) - 3, y0 + 2); ctx.lineTo(x(f) + 3, y0 + 2); ctx.fill();
-      }
-      if (!Number.isNaN(values[t][i])) { shape(ctx, t, x(i), y(values[t][i]), 4); ctx.fill(); }
+      if (second) drawCurve(ctx, t, others[t], x, y0, top, true);
+      drawCurve(ctx, t, ep[name][t], x, y0, top, false);
+      const v = ep[name][t][i];
+      if (!Number.isNaN(v)) { shape(ctx, t, x(i), y0 + PANEL * (1 - Math.min(v, top) / top), 4.5); ctx.fill(); }
     }
   });
-  let y = tall + 8;
-  for (const [name, events] of rows) {
-    ctx.fillStyle = ink.soft; ctx.textAlign = "left"; ctx.fillText(name, 2, y + 10);
-    for (const event of events) {
-      const first = ep.place.get(event.first) ?? 0, last = ep.place.get(event.last) ?? n - 1;
-      ctx.fillStyle = event.kind === "swap" ? ink.text : ink.targets[event.target];
-      const from = Math.max(LEFT, x(first) - half * 0.8), to = Math.min(w - 2, x(last) + half * 0.8);
-      ctx.globalAlpha = 0.8;
-      ctx.fillRect(Math.max(from, 92), y + 1, Math.max(3, to - Math.max(from, 92)), 10); ctx.globalAlpha = 1;
-    }
-    y += LANE;
-  }
-  if (doubt) {
-    ctx.fillStyle = ink.soft; ctx.textAlign = "left"; ctx.fillText("exchange", 2, y + 11);
-    ctx.fillStyle = ink.accent;
-    for (let f = 0; f < n; f++) {
-      const p = ep.exchange[f], from = Math.max(92, x(f) - half);
-      if (p >= 0.01) ctx.fillRect(from, y + 13 - 13 * p, Math.max(1, x(f) + half - from), 13 * p);
-    }
-    y += LANE;
-  }
+  drawLanes(ctx, w, tall + 8, rows, ep, x, half);
+  const foot = tall + 8 + row * rows.length;
   ctx.fillStyle = ink.soft; ctx.textAlign = "center";
-  const every = Math.max(1, nice((n - 1) / Math.max(3, Math.floor(w / 90))));
-  for (let f = 0; f < n; f++) {
-    if (ep.frames[f] % every === 0) ctx.fillText(String(ep.frames[f]), x(f), y + 13);
-  }
+  const every = Math.max(1, nice(last / Math.max(3, Math.floor((w - leftOf(w)) / 80))));
+  ep.frames.forEach((f, n) => { if (f % every === 0) ctx.fillText(String(f), x(n), foot + 13); });
   ctx.strokeStyle = ink.text; ctx.lineWidth = 1.4;
-  ctx.beginPath(); ctx.moveTo(x(i), 0); ctx.lineTo(x(i), y + 1); ctx.stroke();
+  ctx.beginPath(); ctx.moveTo(x(i), 0); ctx.lineTo(x(i), foot + 1); ctx.stroke();
+}
+
+function drawScale(ctx, w, y0, top, title) {
+  const left = leftOf(w);
+  ctx.textAlign = "right"; ctx.lineWidth = 1;
+  for (let k = 0; k <= 4; k++) {
+    const y = y0 + PANEL * (1 - k / 4);
+    ctx.strokeStyle = ink.grid; ctx.beginPath(); ctx.moveTo(left, y); ctx.lineTo(w - RIGHT, y); ctx.stroke();
+    if (k % 2 === 0) { ctx.fillStyle = ink.soft; ctx.fillText(String(+(top * k / 4).toFixed(2)), left - 6, y + 4); }
+  }
+  ctx.save(); ctx.translate(left > 100 ? left - 44 : 11, y0 + PANEL / 2); ctx.rotate(-Math.PI / 2); ctx.textAlign = "center";
+  ctx.fillStyle = ink.text; ctx.fillText(title, 0, 0); ctx.restore();
+}
+
+// From this error on an estimate counts as wrong.
+function drawLimit(ctx, w, y) {
+  ctx.strokeStyle = ink.bad; ctx.lineWidth = 1; ctx.setLineDash([2, 4]);
+  ctx.beginPath(); ctx.moveTo(leftOf(w), y); ctx.lineTo(w - RIGHT, y); ctx.stroke(); ctx.setLineDash([]);
+}
+
+function drawCurve(ctx, t, values, x, y0, top, dashed) {
+  const y = (v) => y0 + PANEL * (1 - Math.min(v, top) / top);
+  ctx.strokeStyle = ctx.fillStyle = ink.targets[t];
+  ctx.setLineDash(dashed ? [5, 4] : []); ctx.lineWidth = 1.8; ctx.lineJoin = "round";
+  ctx.beginPath();
+  let down = false;
+  values.forEach((v, f) => {
+    if (Number.isNaN(v)) { down = false; return; }
+    if (down) ctx.lineTo(x(f), y(v)); else { ctx.moveTo(x(f), y(v)); ctx.lineTo(x(f) + 0.1, y(v)); }
+    down = true;
+  });
+  ctx.stroke(); ctx.setLineDash([]);
+  // Shapes tell the targets apart where colours do not; beyond the axis: a small arrow.
+  const every = Math.max(1, Math.round(36 / Math.max(1, x(1) - x(0))));
+  values.forEach((v, f) => {
+    if (v > top) {
+      ctx.beginPath(); ctx.moveTo(x(f), y0 - 5); ctx.lineTo(x(f) - 3, y0 + 1); ctx.lineTo(x(f) + 3, y0 + 1); ctx.fill();
+    } else if (!Number.isNaN(v) && !dashed && (f + t) % every === 0) { shape(ctx, t, x(f), y(v), 2.6); ctx.fill(); }
+  });
 }
 
 function pick(event) {
   if (!now.source) return;
-  const box = curves.getBoundingClientRect();
-  const share = (event.clientX - box.left - LEFT) / (box.width - LEFT - RIGHT);
+  const box = curves.getBoundingClientRect(), left = leftOf(box.width);
+  const share = (event.clientX - box.left - left) / (box.width - left - RIGHT);
   go(Math.round(share * (now.source.frames.length - 1)));
 }
 curves.addEventListener("pointerdown", (event) => { stop(); curves.setPointerCapture(event.pointerId); pick(event); });

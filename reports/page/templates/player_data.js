@@ -1,4 +1,5 @@
 // Data of the episodes: numbers, films, pictures.
+const picker = part("episode");
 const NAMES = ["head", "right_hand", "left_hand"];
 const STATUS = ["waiting", "tracked", "coasting", "lost"];
 
@@ -40,7 +41,8 @@ function episode(key) {
 const films = new Map();
 function film(key) {
   if (!films.has(key)) {
-    const holder = document.getElementById("film-" + key);
+    const holder = document.getElementById("film-" + key), owner = holder?.dataset.owner;
+    if (owner) return film(owner);
     const places = new Map();
     let start = 0;
     for (const entry of holder ? holder.dataset.sizes.split(" ") : []) {
@@ -48,12 +50,12 @@ function film(key) {
       places.set(frame, [start, start + size]);
       start += size;
     }
-    films.set(key, { text: holder ? holder.textContent : "", places });
+    films.set(key, { id: key, text: holder ? holder.textContent : "", places });
   }
   return films.get(key);
 }
 
 function picture(key, frame) {
-  const { text, places } = film(key);
-  return places.has(frame) ? pictureAt(key + "@" + frame, text, places.get(frame)) : Promise.resolve(null);
+  const { id, text, places } = film(key);
+  return places.has(frame) ? pictureAt(id + "@" + frame, text, places.get(frame)) : Promise.resolve(null);
 }

@@ -36,14 +36,17 @@ function shape(ctx, target, x, y, r) {
   }
 }
 
-// Badges from the top left corner of a box downwards, as far as it is high.
-function drawBadges(ctx, words, box, size) {
+// Badges in the top left corner of a box, or one for all where it is small.
+function drawBadges(ctx, words, { y: top, w, h }) {
+  const size = Math.round(Math.max(10, Math.min(13, w / 24))), tall = size + 7;
   ctx.font = `600 ${size}px ${ink.font}`; ctx.textAlign = "left";
-  const tall = size + 8, most = Math.max(1, Math.floor((box.h / 2) / (tall + 3)));
-  words.slice(0, most).forEach((text, n) => {
-    const y = box.y + 6 + n * (tall + 3);
-    ctx.fillStyle = "#c4161c"; ctx.fillRect(box.x + 6, y, ctx.measureText(text).width + 12, tall);
-    ctx.fillStyle = "#fff"; ctx.fillText(text, box.x + 12, y + size + 2.5);
+  const most = w < 260 ? 1 : Math.max(1, Math.floor(h / 2 / (tall + 3)));
+  const rest = words.length - most, lines = words.slice(0, most);
+  if (rest > 0) lines[most - 1] += ` +${rest}`;
+  lines.forEach((text, n) => {
+    const y = top + 5 + n * (tall + 3);
+    ctx.fillStyle = "#c4161c"; ctx.fillRect(5, y, ctx.measureText(text).width + 10, tall);
+    ctx.fillStyle = "#fff"; ctx.fillText(text, 10, y + size + 2);
   });
 }
 

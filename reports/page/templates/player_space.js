@@ -1,5 +1,5 @@
 // The 3-D view: a small projection of our own, so that it needs no WebGL.
-const space = part("space");
+const space = part("space"), spaces = [space, part("space-b")].filter(Boolean);
 const START = { yaw: -0.55, pitch: 0.42, zoom: 1 };
 const gaze = { ...START };
 
@@ -13,9 +13,8 @@ function bounds(ep) {
   return [low.map((l) => Math.floor((l - 0.05) * 10) / 10), high.map((h) => Math.ceil((h + 0.05) * 10) / 10)];
 }
 
-function drawSpace(ep, i, show) {
-  const [ctx, w, h] = surface(space);
-  const [low, high] = ep.bounds ??= bounds(ep);
+// The axes of a box, and the place on the canvas of a point in it.
+function drawAxes(ctx, w, h, [low, high]) {
   const middle = low.map((l, a) => (l + high[a]) / 2);
   const radius = Math.hypot(...low.map((l, a) => (high[a] - l) / 2));
   const [sy, cy, sp, cp] = [Math.sin(gaze.yaw), Math.cos(gaze.yaw), Math.sin(gaze.pitch), Math.cos(gaze.pitch)];
@@ -73,81 +72,59 @@ function drawSpace(ep, i, show) {
   name(roomy ? "y, to the person’s left" : "y", spot(ex + (ex === high[0] ? 1 : -1) * (roomy ? 0.5 : 0.15) * radius, middle[1], low[2]));
   const top = spot(ux, uy, high[2]);
   name(roomy ? "z, up [m]" : "z", [top[0], top[1] - 8]);
-
-  const far = (points, n) => [0, 1, 2].some((a) => points[a][n] < low[a] - radius || points[a][n] > high[a] + radius);
-  const path = (points, first, last) => {
-    ctx.beginPath();
-    let down = false;
-    for (let n = first; n <= last; n++) {
-      if (Number.isNaN(points[0][n]) || far(points, n)) { down = false; continue; }
-      const p = spot(points[0][n], points[1][n], points[2][n]);
-      if (down) ctx.lineTo(...p); else ctx.moveTo(...p);
-      down = true;
-    }
-    ctx.stroke();
-  };
-  ctx.lineJoin = "round";
-  const last = ep.frames.length - 1;
-  for (let t = 0; t < 3; t++) {
-    ctx.strokeStyle = ink.targets[t];
-    if (show.truth) { ctx.globalAlpha = 0.55; ctx.lineWidth = 1; path(ep.truth[t], 0, last); }
-    if (show.estimates) {
-      ctx.globalAlpha = 0.22; ctx.lineWidth = 2.5; path(ep.estimates[t], 0, last);
-      ctx.globalAlpha = 1; ctx.lineWidth = 2.5; path(ep.estimates[t], Math.max(0, i - 12), i);
-    }
-    ctx.globalAlpha = 1;
-  }
-  for (let t = 0; t < 3; t++) {
-    const here = (points) => spot(points[0][i], points[1][i], points[2][i]);
-    const [tx, ty] = here(ep.truth[t]);
-    ctx.strokeStyle = ctx.fillStyle = ink.targets[t]; ctx.lineWidth = 1.6;
-    if (show.truth) {
-      ctx.beginPath(); ctx.moveTo(tx - 6, ty); ctx.lineTo(tx + 6, ty); ctx.moveTo(tx, ty - 6); ctx.lineTo(tx, ty + 6); ctx.stroke();
-    }
-    if (!show.estimates || Number.isNaN(ep.estimates[t][0][i])) continue;
-    const [x, y] = here(ep.estimates[t]), bad = wrong(ep, i, t);
-    ctx.lineWidth = bad ? 4 : 1.6; ctx.strokeStyle = bad ? WRONG : ink.targets[t];
-    ctx.beginPath(); ctx.moveTo(tx, ty); ctx.lineTo(x, y); ctx.stroke();
-    ctx.lineWidth = 1.6; ctx.strokeStyle = ink.targets[t];
-    shape(ctx, t, x, y, 5.5);
-    if (ep.status[t][i] === "1") ctx.fill(); else { ctx.fillStyle = ink.paper; ctx.fill(); ctx.stroke(); }
-  }
+  return spot;
 }
 
-let drag = null;
-space.addEventListener("pointerdown", (event) => {
-  drag = [event.clientX, event.clientY];
-  space.setPointerCapture(event.pointerId);
-});
-space.addEventListener("pointermove", (event) => {
-  if (!drag) return;
-  turn((drag[0] - event.clientX) * 0.009, (event.clientY - drag[1]) * 0.009);
-  drag = [event.clientX, event.clientY];
-});
-for (const end of ["pointerup", "pointercancel"]) space.addEventListener(end, () => { drag = null; });
+// second: the position of another run's episode that is laid over it, or null.
+function drawSpace(canvas, ep, i, show, second = null) {
+  const [ctx, w, h] = surface(canvas), box = ep.bounds ??= bounds(ep);
+  const spot = drawAxes(ctx, w, h, box);
+  drawPaths(ctx, spot, box, ep, i, show);
+  if (second) drawPaths(ctx, spot, box, second.ep, second.i, { ...show, truth: false, dashed: true });
+}
+
+for (const canvas of spaces) {
+  let drag = null;
+  canvas.addEventListener("pointerdown", (event) => {
+    drag = [event.clientX, event.clientY];
+    canvas.setPointerCapture(event.pointerId);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!drag) return;
+    turn((drag[0] - event.clientX) * 0.009, (event.clientY - drag[1]) * 0.009);
+    drag = [event.clientX, event.clientY];
+  });
+  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => { drag = null; });
+  canvas.addEventListener("keydown", turnByKey);
+}
 
 function turn(yaw, pitch, zoom = 1) {
   gaze.yaw += yaw;
   gaze.pitch = Math.min(1.57, Math.max(-0.3, gaze.pitch + pitch));
   gaze.zoom = Math.min(5, Math.max(0.5, gaze.zoom * zoom));
   space.dataset.turn = `${gaze.yaw.toFixed(2)} ${gaze.pitch.toFixed(2)} ${gaze.zoom.toFixed(2)}`;
-  if (now.source) drawSpace(now.source, now.i, shown());
+  drawSpaces();
 }
-space.addEventListener("keydown", (event) => {
+
+function turnByKey(event) {
   const turns = {
     ArrowLeft: [0.12, 0], ArrowRight: [-0.12, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1],
     "+": [0, 0, 1.15], "=": [0, 0, 1.15], "-": [0, 0, 1 / 1.15],
   };
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === "0") Object.assign(gaze, START);
   const by = event.key === "0" ? [0, 0] : turns[event.key];
   if (!by) return;
   event.preventDefault();
   turn(...by);
-});
-for (const button of section.querySelectorAll("[data-look]")) {
-  button.addEventListener("click", () => {
-    const [yaw, pitch] = button.dataset.look.split(" ").map(Number);
-    Object.assign(gaze, { yaw, pitch, zoom: 1 });
-    turn(0, 0);
-  });
 }
+
+const looks = [...section.querySelectorAll("[data-look]")];
+let look = looks.length - 1;
+function lookFrom(n) {
+  look = n % looks.length;
+  const [yaw, pitch] = looks[look].dataset.look.split(" ").map(Number);
+  Object.assign(gaze, { yaw, pitch, zoom: 1 });
+  turn(0, 0);
+}
+looks.forEach((button, n) => button.addEventListener("click", () => lookFrom(n)));

@@ -46,7 +46,7 @@ function drawView(ctx, box, ep, i, v, image, show) {
   }
   if (show.estimates) drawEstimates(ctx, box, ep, i, v, show);
   const words = show.estimates && show.badges !== false ? badges(ep, i) : [];
-  if (words.length) drawBadges(ctx, words, { x: 0, y: 0, h: box.h }, Math.round(13 * Math.max(0.75, big)));
+  drawBadges(ctx, words, { ...box, y: 0 });
   ctx.restore();
 }
 

@@ -49,7 +49,7 @@ function drawLetter(ctx, t, size, font, x, y, mark = "") {
 }
 
 // What is shown. source: the decoded episode or sequence; i: position of its frame.
-const now = { key: "", source: null, i: 0, timer: 0, turn: 0 };
+const now = { key: "", source: null, i: 0, timer: 0, turn: 0, load: 0 };
 
 // Moves of the slider. count() frames, fps() of them a second; pictureOf(i) is a promise; paint(image).
 function transport({ count, fps, pictureOf, paint }) {

@@ -75,7 +75,9 @@ def test_few_draws_are_named_as_the_reason_and_more_seeds_as_the_remedy(few):
     assert last[4:] == ["--margin", "error_mm=2.5"]
     why, remedy = advice_lines(advice)
     assert why == f"why: {advice.reason}"
-    assert remedy.startswith(f"to decide: --seeds {advice.seeds} of both, which tell with ")
+    assert remedy.startswith(
+        f"to decide: --seeds {advice.seeds} of both, a clear verdict of each metric in "
+    )
 
 
 def test_an_interval_that_is_too_wide_is_named_with_its_margin(runs):

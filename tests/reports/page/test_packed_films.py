@@ -37,16 +37,33 @@ def filmed(episode_of, tools, tmp_path_factory):
     )
 
 
-def test_films_are_kept_of_first_seeds_and_of_what_went_wrong(filmed):
-    kept = [(film["scenario"], film["seed"], film["whole"]) for film in filmed.meta["films"]]
-    assert kept == [("a", 0, True), ("a", 2, True), ("b", 0, False)]
+ORDER = [("a", 2), ("a", 0), ("a", 1), ("b", 0)]
+
+
+def frames(places):
+    return {key: len(place.film.pictures) for (_, key), place in places.items() if place.film}
 
 
 def test_films_go_in_as_far_as_there_is_room(filmed):
-    order = [("a", 2), ("a", 0), ("b", 0)]
-    all_of_it = packed_films(filmed, order, (10_000, 10_000))
-    assert [len(f.pictures) for f in all_of_it.values()] == [10, 10, 2]
-    assert all_of_it["a", 2].sizes.startswith("0:100 1:100 ")
-    assert list(packed_films(filmed, order, (1500, 10_000))) == [("a", 2), ("b", 0)]
-    assert [len(f.pictures) for f in packed_films(filmed, order, (0, 150)).values()] == [1]
-    assert packed_films(filmed, order, (0, 50)) == {}
+    whole = packed_films([filmed], [ORDER])
+    assert frames(whole) == {("a", 2): 10, ("a", 0): 10, ("a", 1): 10, ("b", 0): 2}
+    assert whole[0, ("a", 2)].film.sizes.startswith("0:100 1:100 ")
+    assert [place.film.whole for place in whole.values()] == [True, True, True, False]
+    # The last is thinned to the room that is left, or left out where that is next to nothing.
+    thinned = packed_films([filmed], [ORDER], 1600)
+    assert frames(thinned) == {("a", 2): 10, ("a", 0): 6}
+    assert list(thinned[0, ("a", 0)].film.pictures)[::5] == [0, 9]
+    assert not thinned[0, ("a", 0)].film.whole
+    assert frames(packed_films([filmed], [ORDER], 1100)) == {("a", 2): 10}
+    assert packed_films([filmed], [ORDER], 50) == {}
+
+
+def test_the_same_pictures_of_two_runs_are_there_once(filmed):
+    places = packed_films([filmed, filmed], [ORDER, ORDER[::-1]], 2300)
+    assert {(at, len(place.film.pictures)) for at, place in places.items() if place.film} == {
+        ((0, ("a", 2)), 10),
+        ((1, ("b", 0)), 2),
+        ((0, ("a", 0)), 10),
+    }
+    assert places[1, ("a", 2)].owner == (0, ("a", 2))
+    assert places[0, ("b", 0)].owner == (1, ("b", 0))

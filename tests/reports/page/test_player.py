@@ -56,7 +56,7 @@ def test_the_page_has_the_runs_own_numbers(take):
     np.testing.assert_allclose(np.stack([undo(c, 0.1) for c in data["mm"]], 1), error, atol=0.3)
     assert data["merged"] == ["0" * 20, "00001" + "0" * 15, "00001" + "0" * 15]
     assert data["status"][0] == "00" + "1" * 18
-    assert data["labels"] == [[0, "reach"], [7, "hold;near"]]
+    assert data["labels"] == [[0, "reach"], [7, "hold · near"]]
     stated = [o.estimates.exchange_probability for o in episode.frames]
     np.testing.assert_allclose(undo(data["exchange"], 1e-3), stated, atol=0.51e-3)
     assert {event["kind"] for event in data["events"]} >= {"swap"}

@@ -102,30 +102,23 @@ def test_a_run_is_played_and_held_against_its_baseline(folder, tmp_path_factory)
     (folder / "test_mine.py").write_text(TESTS + OWN)
     (folder / "base" / "test_runs").rename(folder / "base" / "test_own")
     shutil.copytree(folder / "base" / "test_own", folder / "base" / "test_own_other")
-    worse = pytest_in(folder, "-k", "own", *words[2:])
+    worse = pytest_in(folder, "-k", "own or before", *words[2:], "--basetemp", "played")
     assert worse.returncode == 1
     assert "base/test_own: " in worse.stdout
     assert "| error_mm |" in worse.stdout
     assert "base/nothing: no baseline; make it with --pjpdaf-update-baseline" in worse.stdout
+    assert "base/test_before: no baseline; make it with --pjpdaf-update-baseline" in worse.stdout
+    assert [path.parent.name for path in (folder / "played").rglob("pjpdaf")] == ["test_own0"]
     assert "base/test_own_other: is the baseline of other scenarios, seeds or s" in worse.stdout
     assert "footage: all from the cache" in worse.stdout
     assert "1 episode of 1 scenario: " in worse.stdout
 
 
-def test_it_fails_before_it_plays_where_the_baseline_is_missing(folder):
-    words = ("-k", "before", "--pjpdaf-baseline", "base", "--basetemp", "played")
-    done = pytest_in(folder, *words)
-    assert done.returncode == 1
-    assert "base/test_before: no baseline; make it with --pjpdaf-update-baseline" in done.stdout
-    assert not list((folder / "played").rglob("pjpdaf"))
-    missing = pytest_in(folder, "-k", "before")
-    assert "assert_no_regression needs --pjpdaf-baseline DIR" in missing.stdout
-
-
 def test_faults_are_one_line_without_a_traceback(folder):
-    done = pytest_in(folder, "-k", "bad_input")
+    done = pytest_in(folder, "-k", "bad_input or before")
     assert done.returncode == 1
     assert "no scenario or suite 'crss'; did you mean cross?" in done.stdout
+    assert "assert_no_regression needs --pjpdaf-baseline DIR" in done.stdout
     assert "Traceback" not in done.stdout
     assert "site-packages" not in done.stdout
 
