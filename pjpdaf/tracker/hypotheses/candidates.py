@@ -24,7 +24,8 @@ class Candidates:
     """Candidates of one view.
 
     centres_px (c, 2); areas_px (c,); blob (c,) and part (c,), WHOLE .. OTHER_END; palm_px (c, 2)
-    from the centre to the middle of the palm, 0 for parts; pixels of parts (k, 2), else None.
+    from the centre to the middle of the palm, 0 for parts; pixels (k, 2) of parts that have an
+    outline of their own, else None.
     """
 
     centres_px: Floats
@@ -48,7 +49,7 @@ class HeadPlace:
 
 
 class Candidate(NamedTuple):
-    """One candidate: centre (2,) [px], area [px], part, pixels (k, 2) of a half or a piece."""
+    """One candidate: centre (2,) [px], area [px], part, pixels (k, 2) of a piece."""
 
     centre_px: Floats
     area_px: float
@@ -122,14 +123,15 @@ def _halves(
 ) -> Iterator[Candidate]:
     """Two hands of which one hides a part of the other are nearer than the blob's halves.
 
-    How much is hidden shows in the area.
+    How much is hidden shows in the area. No half has an outline of its own: where one hand hides
+    most of the other, both halves' sides are the nearer hand's, and would give them its depth.
     """
     hidden = 1.0 - area_px / (2.0 * hand_px)
     two = halves(pixels, float(np.clip(APART - p.draw_together * hidden, *KEPT)))
     if two is not None:
         for k in range(2):
             share = len(two[1][k]) / len(pixels)
-            yield Candidate(two[0][k], area_px * share, HALF + k, two[1][k])
+            yield Candidate(two[0][k], area_px * share, HALF + k)
 
 
 def _beside(

@@ -25,9 +25,6 @@ LOG_AREA_SD = 0.5  # between the areas that two views show
 ALIKE_LOG_AREA = 0.15  # what the views' directions alone make of it
 MOST_CHANGE_PX = 8.0  # of a part's place, by its outline
 CUT_ROWS_PX = 25.0  # from the row that is expected, of a hand that the picture's edge cuts
-PARTNER_M = 0.35
-MOST_CHANGE_PX = 8.0  # of a part's place, by its outline
-CUT_ROWS_PX = 25.0  # from the row that is expected, of a hand that the picture's edge cuts
 PARTNER_M = 0.35  # from where some hand is expected
 SANE_COST = 8.0  # of the epipolar error
 
