@@ -232,7 +232,7 @@ class ClusterExecutor:
     def _ask_all(
         self, function: Callable[[None], R], limit_s: float
     ) -> dict[str, Answer[R] | Lost]:
-        """The outcome of `function(None)` on each worker. Raises BenchError."""
+        """The outcome of `function(None)` on each worker that lives. Raises BenchError."""
         parcel = self._parcel("", packed(function, None), limit_s, ATTEMPTS)
         ask = functools.partial(
             self._client.run, entry.call_aside, _WORKER, "perform", parcel, on_error="return"
@@ -246,9 +246,13 @@ class ClusterExecutor:
             ) from None
         outcomes = {}
         for worker, reply in replies.items():
+            if isinstance(reply, OSError):  # the worker has gone; another may take its place
+                continue
             if isinstance(reply, Exception):
                 raise _fault_of_worker(worker, reply)
             outcomes[worker] = _outcome(reply, worker)
+        if replies and not outcomes:
+            raise InfrastructureError(f"all workers of {self._address} have gone")
         return outcomes
 
     def _end(self, run: str, futures: Sequence[Any]) -> None:

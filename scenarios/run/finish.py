@@ -97,6 +97,7 @@ def _print_results(
     out.print(
         f"{count(len(played.rows), 'episode')}, {count(frames, 'stereo frame')} {how}",
         highlight=False,
+        soft_wrap=True,
     )
     if len(played.renderers) > 1:
         listed = "; ".join(sorted(played.renderers))

@@ -145,7 +145,8 @@ def test_a_worker_of_other_code_is_refused_in_one_line(tmp_path):
     other = tmp_path / "other"
     for name in ("pjpdaf", "sim", "reports", "scenarios"):
         shutil.copytree(ROOT / name, other / name, ignore=shutil.ignore_patterns("__pycache__"))
-    (other / "sim/specs.py").open("a").write("# other\n")
+    changed = other / "sim/specs.py"
+    changed.write_text(changed.read_text() + "# other\n")
     with dask_processes(tmp_path, 0) as processes:
         processes.add_workers(1, PYTHONPATH=str(other))
         line = ("run", "cross", "--seeds", "1", "--cluster", processes.address, "--out", "r")

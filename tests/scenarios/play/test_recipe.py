@@ -37,7 +37,10 @@ def made(tmp_path_factory):
         ({"seed": 5}, "its digest is not that of its scenario"),
         ({"overrides": {"speed": "1"}}, "has no parameter 'speed'"),
         ({"kind": "x"}, "is not a recipe of version 1"),
-        ({"settings": {"labels": ["x"], "size_px": None}}, "settings.labels x: must be of clean"),
+        (
+            {"settings": {"labels": ["x"], "size_px": None}},
+            "settings.labels x: no such label; known: all, amodal, clean",
+        ),
         ({"settings": {"labels": [], "size_px": [1, 10**9]}}, "both must be from 32 to 4096"),
         ({"files": {"clip": {"name": "../../x.csv", "sha256": ""}}}, "must lie in the folder"),
         (
@@ -93,7 +96,7 @@ def test_labels_are_named_in_any_order():
     assert parse_labels("seg,depth") == ("depth", "seg")
     assert parse_labels("none") == ()
     assert "float" in parse_labels("all")
-    with pytest.raises(BenchError, match="--labels masks: must be of clean, depth"):
+    with pytest.raises(BenchError, match="--labels masks: no such label; known: all, amodal"):
         parse_labels("masks")
 
 

@@ -51,7 +51,7 @@ def test_code_and_versions_count(monkeypatch):
     assert run_identity([JOB, OTHERS["seed"]], "default") != before
     for name, value in (
         ("code_digest", lambda: "another"),
-        ("provenance", lambda: {"versions": {"numpy": "0"}}),
+        ("versions", lambda: {"numpy": "0"}),
     ):
         with monkeypatch.context() as patch:
             patch.setattr(identity, name, value)

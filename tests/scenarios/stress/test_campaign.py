@@ -106,11 +106,11 @@ def test_what_fast_does_not_know_is_searched_in_full_unless_asked_for():
 
 
 def test_a_family_that_fast_does_not_predict_is_played_in_full_and_the_reason_is_printed(capsys):
-    request = CampaignRequest("search", "cross,recorded", detector="thesis", tracker="thesis")
-    cross, recorded = spaces_of(request)
+    request = CampaignRequest("search", "cross,nuisances", detector="default", tracker="default")
+    cross, nuisances = spaces_of(request)
     assert fast_fault(request, cross) is None
-    assert "fast agreed with rendered pictures in" in str(fast_fault(request, recorded))
-    _say_fidelities(request, (cross, recorded), "fast")
-    assert capsys.readouterr().err.startswith("recorded: played in full: fast agreed")
-    _say_fidelities(replace(request, fidelity="fast"), (cross, recorded), "fast")
+    assert "fast agreed with rendered pictures in" in str(fast_fault(request, nuisances))
+    _say_fidelities(request, (cross, nuisances), "fast")
+    assert capsys.readouterr().err.startswith("nuisances: played in full: fast agreed")
+    _say_fidelities(replace(request, fidelity="fast"), (cross, nuisances), "fast")
     assert capsys.readouterr().err == ""
