@@ -213,7 +213,9 @@ def sixty(episode_of, tools):
     return played
 
 
-@pytest.mark.parametrize(("filmed", "limit"), [(False, 9e6), (True, 16e6)])
+@pytest.mark.parametrize(
+    ("filmed", "limit"), [(False, 9e6), pytest.param(True, 16e6, marks=pytest.mark.long)]
+)
 def test_sixty_episodes_stay_in_their_size(sixty, episode_of, tools, tmp_path, filmed, limit):
     # Frames of a noisy picture are about 8 kB, and no room is won by packing them again.
     webp = np.random.default_rng(0).bytes(8000)

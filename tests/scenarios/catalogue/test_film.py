@@ -132,7 +132,9 @@ def test_a_full_disk_is_one_line_and_exit_code_5(tmp_path):
     assert "No space left on device. Free some space there" in line
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.long)]
+)
 def test_an_interrupted_film_leaves_nothing(tmp_path, number):
     pytest.importorskip("av")
     line = command("scenarios", "show", "calm_table", "--film", str(tmp_path / "out.mp4"))
