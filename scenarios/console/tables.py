@@ -92,4 +92,5 @@ def _longest_word(column: Column, cell: str) -> int:
 
 
 def _plain(cell: object) -> str:
-    return cell.plain if isinstance(cell, Text) else str(cell)
+    """What is printed of a cell: in a string that is no Text, mark-up is read as such."""
+    return cell.plain if isinstance(cell, Text) else Text.from_markup(str(cell)).plain

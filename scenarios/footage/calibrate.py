@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from rich.console import Console
+from rich.text import Text
 
 from pjpdaf.boards import Board
 from pjpdaf.calibrate import calibrate as calibrate_pairs
@@ -94,8 +95,8 @@ def _print(report: CalibrationReport, out: Console, folder: Path, names: list[Pa
     table = plain_table()
     table.add_column("left")
     table.add_column("right")
-    table.add_column("error left [px]", justify="right")
-    table.add_column("error right [px]", justify="right")
+    table.add_column(Text("error left [px]"), justify="right")
+    table.add_column(Text("error right [px]"), justify="right")
     table.add_column("")
     for pair in report.pairs:
         errors = [

@@ -308,7 +308,10 @@ FAULTS = [
     ({"left": "short"}, ("differ in length", "3 pictures", "12")),
     ({"left": "short"}, ("--shortest leaves out",)),
     ({"right": None}, ("is one view", "--stereo side-by-side")),
-    ({"stereo": "stacked"}, ("--stereo must be one of separate, side-by-side, top-bottom",)),
+    (
+        {"stereo": "stacked"},
+        ("--stereo stacked: no such layout; known: separate, side-by-side, top-bottom",),
+    ),
     ({"left": "grey", "right": "grey_too"}, ("the pictures are grey",)),
     ({"left": "ten", "right": "ten_too"}, ("16 bits whose values use 10",)),
     ({"left": "small", "right": "short"}, ("640x480", "320x240")),

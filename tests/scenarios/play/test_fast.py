@@ -10,6 +10,7 @@ from scenarios.play.fast_trust import FILE, FastTrust, trusted
 from scenarios.play.job import Job, System
 from scenarios.spec.draw import fault_of_draw, judged, perform, unjudged
 from scenarios.spec.names import load_scenario, scenario_names
+from scenarios.stress.families import FAMILIES
 
 FRAMES = {"frames": 24.0}
 
@@ -89,4 +90,5 @@ def test_trust_is_that_of_enough_episodes_that_agree():
     assert trusted("nobody's", "cross") is None
     systems = json.loads(FILE.read_text(encoding="utf-8"))["systems"]
     assert set(systems) == {"thesis", "default"}
-    assert all(set(found) <= set(scenario_names()) for found in systems.values())
+    known = {*scenario_names(), *FAMILIES}
+    assert all(set(found) <= known for found in systems.values())
