@@ -115,7 +115,7 @@ class WorkerServer:
 
     def __init__(self) -> None:
         self._owner, self._early = os.getpid(), _read_early(os.environ)
-        self._lock, self._asked = threading.Lock(), 0
+        self._lock, self._asked, self._gone = threading.Lock(), 0, False
         self._socket, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._socket.settimeout(REPLY_LIMIT_S)
         # Spawn: a child forked beside a GL context hangs, and this process may have one.
@@ -128,7 +128,7 @@ class WorkerServer:
     def fits(self) -> bool:
         """Whether it lives, and a worker from it is as one that is started here and now."""
         here = self._owner == os.getpid() and self._early == _read_early(os.environ)
-        return here and self._process.is_alive()
+        return here and not self._gone and self._process.is_alive()
 
     def fork(self, pipe: Connection, modules: Collection[str]) -> WorkerProcess:
         """A new worker that answers the tasks of a pipe. modules: imported first, in the server.
@@ -157,6 +157,9 @@ class WorkerServer:
                 raise InfrastructureError(
                     f"worker processes do not start within {REPLY_LIMIT_S:.0f} s"
                 ) from None
+            except OSError:
+                self._gone = True  # before the system says so: its socket closes first
+                raise
         if kind == "raised":
             raise value
         return value

@@ -5,7 +5,7 @@ import signal
 from pathlib import Path
 
 import pytest
-from commands import server_pids, worker_pids
+from commands import server_pids, wait_until, worker_pids
 from worker_tasks import double, pid, random_number, slow_and_large, surroundings
 
 from scenarios.execute.local import PLAYED_WITH
@@ -76,6 +76,14 @@ def test_workers_draw_different_random_numbers():
     assert one != two
 
 
+def lives(number):
+    try:
+        os.kill(number, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
 @pytest.mark.parametrize("at", [0, 3])
 def test_a_server_that_is_killed_loses_no_answer(at):
     """And its workers end with it."""
@@ -90,8 +98,7 @@ def test_a_server_that_is_killed_loses_no_answer(at):
         assert found == {n: Answer(bytes([n]) * 3_000_000) for n in range(8)}
         assert not {*workers} & {*worker_pids(os.getpid())}
     for number in workers:
-        with pytest.raises(ProcessLookupError):
-            os.kill(number, 0)
+        wait_until(lambda number=number: not lives(number))
 
 
 def test_each_worker_is_a_process_of_its_own():
