@@ -44,7 +44,10 @@ EXPRESSIONS: Mapping[str, Expression] = {
 def face_texture(rng: np.random.Generator, appearance: Appearance, size: int = 320) -> Texture:
     """Skin with brows, eyes, lips and a soft blush, for `head_surface`."""
     points = face_points(*angles(size, 2 * size), features=False)
-    canvas = _Canvas(points, mottled(rng, points.shape[:2], appearance.skin_rgb), appearance)
+    rgb = mottled(rng, points.shape[:2], appearance.skin_rgb)
+    # The picture spans the whole head; features are painted on its front alone.
+    front = np.s_[size // 16 : -size // 20, size * 15 // 32 : -size * 15 // 32]
+    canvas = _Canvas(points[front], rgb[front], appearance)
     expression = EXPRESSIONS[appearance.expression]
     _shade(canvas, expression)
     if appearance.beard:
@@ -52,14 +55,14 @@ def face_texture(rng: np.random.Generator, appearance: Appearance, size: int = 3
     _mouth(canvas, expression)
     _brows(canvas, expression, rng)
     _eyes(canvas, expression)
+    rgb[front] = canvas.rgb
     if appearance.hair != "bald":
         # The skin shows between the first hairs.
         x, y, z = np.moveaxis(points, -1, 0)
-        above = z - hairline(x, y, appearance.hair)
         ragged = 0.0016 * value_noise(rng, x.shape, (12, size))
-        roots = soft(above + 0.0005 + ragged, 0.0028)
-        canvas.rgb = canvas.rgb + (canvas.hair - canvas.rgb) * 0.92 * roots[..., None]
-    return to_bytes(canvas.rgb)
+        roots = soft(z - hairline(x, y, appearance.hair) + 0.0005 + ragged, 0.0028)
+        rgb = rgb + (canvas.hair - rgb) * 0.92 * roots[..., None]
+    return to_bytes(rgb)
 
 
 class _Canvas:

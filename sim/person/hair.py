@@ -94,7 +94,8 @@ def _average_cap(hair: str) -> Floats:
     phi = phi[0]
     # Down each meridian: where it crosses the hairline.
     theta = np.linspace(0.05, 2.6, 500)
-    down = face_points(*np.meshgrid(theta, phi, indexing="ij"), features=False)
+    polar, turn = np.meshgrid(theta, phi, indexing="ij")
+    down = face_points(polar, turn, features=False)
     below = down[..., 2] < hairline(down[..., 0], down[..., 1], hair)
     rim = theta[np.argmax(below, axis=0)]
     share = np.linspace(0.0, 1.0, _RINGS) ** 0.85

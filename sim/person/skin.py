@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -10,7 +11,8 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
-from sim.person.hand import FINGERS, PALM_SHARE, Finger, fingers, palm_grid
+from sim.person.hand import FINGERS, PALM_SHARE, Finger, fingers
+from sim.person.palm import palm_grid
 from sim.specs import RGB
 from sim.surfaces.textures import Texture, soft, to_bytes, value_noise
 
@@ -97,6 +99,16 @@ def _near(values: Floats, width: float) -> Floats:
     return np.asarray(np.exp(-((values / width) ** 2)))
 
 
+def _to_line(x: Floats, y: Floats, line: tuple[tuple[float, float], ...]) -> Floats:
+    """Distance of points to a chain of straight pieces."""
+    away = np.full_like(x, np.inf)
+    for (ax, ay), (bx, by) in itertools.pairwise(line):
+        dx, dy = bx - ax, by - ay
+        share = np.clip(((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy), 0.0, 1.0)
+        away = np.minimum(away, np.hypot(x - ax - share * dx, y - ay - share * dy))
+    return away
+
+
 def _palm_marks(height: int, width: int) -> Floats:
     """The marks (5, height, width) of the palm: it lies in the texture from the wrist down."""
     grid = palm_grid()
@@ -108,11 +120,7 @@ def _palm_marks(height: int, width: int) -> Floats:
     inside, back = soft(-z - 2.0, 4.0), soft(z - 2.0, 3.0)
     crease = np.zeros_like(x)
     for k, line in enumerate(_CREASES_MM):
-        ends = np.array(line, dtype=np.float64)
-        at = np.linspace(0, len(ends) - 1, 64)
-        path = np.column_stack([np.interp(at, range(len(ends)), c) for c in ends.T])
-        away = np.min([np.hypot(x - px, y - py) for px, py in path], axis=0)
-        crease = np.maximum(crease, (0.85 if k < 3 else 0.5) * _near(away, 1.3))
+        crease = np.maximum(crease, (0.85 if k < 3 else 0.5) * _near(_to_line(x, y, line), 1.3))
     knuckles = np.zeros_like(x)
     for finger in fingers(Anatomy.of(1.72))[1:]:
         bx, by, _ = 1000.0 * finger.base_m
