@@ -17,8 +17,7 @@ from scenarios.spec.parameters.units import UNITS
 from scenarios.spec.scenario import MAX_FRAMES, Scenario
 from scenarios.spec.suggestion import suggestion
 from sim.contact.contact import Unposable
-from sim.families.registry import FAMILIES
-from sim.motion.measure import fault_of
+from sim.motion.measure import MotionFault, fault_of
 from sim.motion.motion import Performer
 from sim.motion.opening import with_opening
 from sim.motion.stage import Stage, Value, Values
@@ -30,6 +29,8 @@ from sim.specs import SceneSpec
 
 MAX_DRAWS = 20  # of a seed, until a person can perform the motion
 JUDGED_HZ, MOST_JUDGED = 6.0, 400  # rate and number of the poses by which a draw is judged
+
+_MOMENT_S = 0.2  # what is found at a moment may be the fault of the step before or after
 
 SETTINGS = ("frames", "fps", "background_frames")  # fields that `--set` may change as well
 
@@ -96,7 +97,7 @@ def setting_of(scenario: Scenario, overrides: Mapping[str, Value], name: str) ->
 
 def scene_of(scenario: Scenario, values: Values, extras: Extras = NO_EXTRAS) -> SceneSpec:
     """Build the scene of concrete values in SI units."""
-    objects = FAMILIES[scenario.motion.kind].objects(values)
+    objects = scenario.motion_family.objects(values)
     return SceneSpec(
         anatomy=person_and_room.anatomy_of(values),
         appearance=person_and_room.appearance_of(values),
@@ -183,7 +184,7 @@ def unjudged(
     extras = person_and_room.extras_of(values, streams, duration_s)
     scene = scene_of(scenario, values, extras)
     stage = Stage(scene=scene, values=values, streams=streams, duration_s=duration_s)
-    plan = FAMILIES[scenario.motion.kind].plan(stage)
+    plan = scenario.motion_family.plan(stage)
     performer = Performer(scene, with_opening(stage, plan, str(values["start"])))
     return Performance(
         scene=scene,
@@ -209,7 +210,21 @@ def judged(performance: Performance) -> str | None:
     duration_s = _duration_s(performance.frames, performance.fps)
     moments = min(MOST_JUDGED, math.ceil(JUDGED_HZ * duration_s) + 1)
     times_s = np.linspace(0.0, duration_s, moments).tolist()
-    return fault_of(performer, times_s, surely_possible(performer, times_s).tolist())
+    fault = fault_of(performer, times_s, surely_possible(performer, times_s).tolist())
+    return None if fault is None else _with_steps(performer, fault)
+
+
+def _with_steps(performer: Performer, fault: MotionFault) -> str:
+    """A fault behind the steps of a script that go on then, or that came last."""
+    begun = [step for step in performer.plan.steps if step.from_s <= fault.time_s + _MOMENT_S]
+    last = {step.side: step for step in begun}  # of each hand and the head
+    going = [step for step in last.values() if step.to_s >= fault.time_s - _MOMENT_S]
+    named = going or sorted(last.values(), key=lambda step: step.to_s)[-1:]
+    if not named:
+        return str(fault)
+    others = [step.title for step in named[1:] if step.title != named[0].title]
+    also = f" (with {', '.join(others)})" if others else ""
+    return f"{named[0].where}{also}: {fault}"
 
 
 def fault_of_draw(

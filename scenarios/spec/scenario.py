@@ -10,8 +10,11 @@ import hashlib
 import json
 from typing import Annotated, Self
 
-from pydantic import BaseModel, Field, field_validator, model_validator
+from pydantic import BaseModel, Field, model_validator
 
+from scenarios.spec.motion.checks import script_faults
+from scenarios.spec.motion.kinds import AnyMotion
+from scenarios.spec.motion.script import ScriptMotion
 from scenarios.spec.parameters.file import File
 from scenarios.spec.parameters.numeric import Numeric
 from scenarios.spec.parameters.parameter import Parameter
@@ -19,23 +22,9 @@ from scenarios.spec.parameters.record import Name, Number, Record, Text, Whole, 
 from scenarios.spec.parameters.units import UNITS
 from scenarios.spec.standard import STANDARD
 from scenarios.spec.suggestion import did_you_mean
-from sim.families.registry import FAMILIES
+from sim.motion.stage import Family
 
 MAX_FRAMES = 20_000
-
-
-class Motion(Record):
-    """Which family of motion plays the parameters."""
-
-    kind: Annotated[Name, Field(json_schema_extra={"enum": list(FAMILIES)})]
-
-    @field_validator("kind")
-    @classmethod
-    def _known(cls, kind: str) -> str:
-        if kind not in FAMILIES:
-            known, hint = ", ".join(FAMILIES), did_you_mean(kind, FAMILIES)
-            raise fault_at(f"must be one of {known}, got {kind!r}{hint}")
-        return kind
 
 
 class Scenario(Record):
@@ -57,13 +46,15 @@ class Scenario(Record):
     rates: tuple[Annotated[Number, Field(ge=1, le=30)], ...] = ()
     background_frames: Annotated[Whole, Field(ge=0, le=500)] = 10
     twins: tuple[Name, ...] = ()
-    motion: Motion
+    motion: AnyMotion
     parameters: dict[Name, Parameter]
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
         """The standard parameters are added; a family's own must be there, and no others."""
-        own = FAMILIES[self.motion.kind].parameters
+        if isinstance(self.motion, ScriptMotion):
+            self._refuse_faulty_script(self.motion)
+        own = self.motion_family.parameters
         for name in self.parameters:
             if name not in own and name not in STANDARD:
                 hint = did_you_mean(name, (*own, *STANDARD))
@@ -83,6 +74,17 @@ class Scenario(Record):
         merged = dict(STANDARD) | self.parameters
         object.__setattr__(self, "parameters", merged)
         return self
+
+    def _refuse_faulty_script(self, motion: ScriptMotion) -> None:
+        """Raise the first fault of a script."""
+        own = [name for name in self.parameters if name not in STANDARD]
+        for fault in script_faults(motion, {**STANDARD, **self.parameters}, own):
+            raise fault_at(fault.message, fault.path)
+
+    @property
+    def motion_family(self) -> Family:
+        """The family of motion that plays it."""
+        return self.motion.family(tuple(n for n in self.parameters if n not in STANDARD))
 
 
 def canonical(record: BaseModel) -> str:
