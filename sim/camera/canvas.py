@@ -174,12 +174,24 @@ class Canvas:
     def _draw(
         self, size: Size, flags: Collection[Any], with_depth: bool
     ) -> tuple[Image, NDArray[np.float32] | None]:
-        self._scene.flags[:] = 0
-        for flag in flags:
-            self._scene.flags[flag] = 1
-        viewport = self._mujoco.MjrRect(0, 0, size[1], size[0])
-        self._mujoco.mjr_render(viewport, self._scene, self._context)
-        rgb = np.empty((*size, 3), np.uint8)
-        depth = np.empty(size, np.float32) if with_depth else None
-        self._mujoco.mjr_readPixels(rgb, depth, viewport, self._context)
-        return rgb, depth
+        return render_pass(self._scene, self._context, size, flags, with_depth)
+
+
+def render_pass(
+    scene: Any, context: Any, size: Size, flags: Collection[Any], with_depth: bool
+) -> tuple[Image, NDArray[np.float32] | None]:
+    """Render a pass and read it back: RGB (h, w, 3) and depth (h, w) if wanted, rows from below.
+
+    scene: MjvScene; context: MjrContext, whose frame buffer is current; flags: of mjtRndFlag that
+    are set, all others are not.
+    """
+    mujoco = load_mujoco()
+    scene.flags[:] = 0
+    for flag in flags:
+        scene.flags[flag] = 1
+    viewport = mujoco.MjrRect(0, 0, size[1], size[0])
+    mujoco.mjr_render(viewport, scene, context)
+    rgb = np.empty((*size, 3), np.uint8)
+    depth = np.empty(size, np.float32) if with_depth else None
+    mujoco.mjr_readPixels(rgb, depth, viewport, context)
+    return rgb, depth
