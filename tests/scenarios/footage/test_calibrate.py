@@ -158,7 +158,7 @@ def test_the_command_recovers_the_cameras_and_names_bad_pairs(chess, tmp_path):
         n: line
         for n in range(PAIRS)
         for line in done.stdout.splitlines()
-        if f"{n:02d}.png " in line
+        if f" {n:02d}.png " in line
     }
     assert len(rows) == PAIRS
     assert "dropped: no readable picture in right" in rows[3]
