@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats, Image
 from pjpdaf.camera import Camera
-from sim.camera.shader import kinds_of, mark_textured, shader_of
+from sim.camera.shader import kinds_of, mark_textured, shader_of, soft_edge_m
 from sim.camera.shadow_map import ShadowMap, update_scene
 from sim.gl import context, load_mujoco
 from sim.scene.world import World
@@ -116,6 +116,10 @@ class Canvas:
         """From the world to the shadow map (4, 4) of what is shown; None where nothing casts."""
         return self._shadows.draw(self._option, self._shown)
 
+    def shadow_edge_m(self) -> float:
+        """Half the width [m] of the edges of the shadows in what is shown."""
+        return max(map(soft_edge_m, self._scene.lights[: self._scene.nlight]), default=0.0)
+
     def ids(
         self, size: Size, with_depth: bool
     ) -> tuple[NDArray[np.int32], NDArray[np.float32] | None]:
@@ -139,7 +143,7 @@ class Canvas:
         world_to_map = self.world_to_map()
         eye_to_map = np.eye(4) if world_to_map is None else world_to_map @ self._eye_to_world()
         shader = shader_of(kinds_of(self._scene.lights[: self._scene.nlight]))
-        shader.use(eye_to_map, self._shadows.texture)
+        shader.use(eye_to_map, self._shadows.texture, self.shadow_edge_m())
         try:
             return self._draw(size, self._colour_flags, with_depth)
         finally:
@@ -170,12 +174,24 @@ class Canvas:
     def _draw(
         self, size: Size, flags: Collection[Any], with_depth: bool
     ) -> tuple[Image, NDArray[np.float32] | None]:
-        self._scene.flags[:] = 0
-        for flag in flags:
-            self._scene.flags[flag] = 1
-        viewport = self._mujoco.MjrRect(0, 0, size[1], size[0])
-        self._mujoco.mjr_render(viewport, self._scene, self._context)
-        rgb = np.empty((*size, 3), np.uint8)
-        depth = np.empty(size, np.float32) if with_depth else None
-        self._mujoco.mjr_readPixels(rgb, depth, viewport, self._context)
-        return rgb, depth
+        return render_pass(self._scene, self._context, size, flags, with_depth)
+
+
+def render_pass(
+    scene: Any, context: Any, size: Size, flags: Collection[Any], with_depth: bool
+) -> tuple[Image, NDArray[np.float32] | None]:
+    """Render a pass and read it back: RGB (h, w, 3) and depth (h, w) if wanted, rows from below.
+
+    scene: MjvScene; context: MjrContext, whose frame buffer is current; flags: of mjtRndFlag that
+    are set, all others are not.
+    """
+    mujoco = load_mujoco()
+    scene.flags[:] = 0
+    for flag in flags:
+        scene.flags[flag] = 1
+    viewport = mujoco.MjrRect(0, 0, size[1], size[0])
+    mujoco.mjr_render(viewport, scene, context)
+    rgb = np.empty((*size, 3), np.uint8)
+    depth = np.empty(size, np.float32) if with_depth else None
+    mujoco.mjr_readPixels(rgb, depth, viewport, context)
+    return rgb, depth
