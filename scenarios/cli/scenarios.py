@@ -1,4 +1,4 @@
-"""The verbs of `scenarios`: list, show, measure, validate, schema, clip."""
+"""The verbs of `scenarios`: list, show, sheet, measure, validate, schema, clip."""
 
 from __future__ import annotations
 
@@ -76,6 +76,24 @@ def show(
     from scenarios.catalogue.film import FilmRequest, film_scenario
 
     typer.echo(film_scenario(FilmRequest(name, seed, tuple(settings or ()), film, frames)))
+
+
+@app.command("sheet")
+def sheet(
+    targets: Annotated[
+        list[str], typer.Argument(metavar="SCENARIO|SUITE", help="Names, or YAML files.")
+    ],
+    out: Annotated[Path, typer.Option(metavar="OUT.webp|.jpg|.png", help="The sheet.")],
+    pictures: Annotated[int, typer.Option(help="How many episodes.")] = 24,
+    seeds: Annotated[int | None, typer.Option(help="Seeds of each scenario [a suite's].")] = None,
+    first_seed: Annotated[int, typer.Option(help="The first of them.")] = 0,
+    settings: ScenarioSettings = None,
+) -> None:
+    """A sheet of small pictures: the left view in the middle of each of the first episodes."""
+    from scenarios.catalogue.sheet import SheetRequest, write_sheet
+
+    request = SheetRequest(tuple(targets), pictures, seeds, first_seed, tuple(settings or ()), out)
+    typer.echo(write_sheet(request))
 
 
 @app.command("measure")

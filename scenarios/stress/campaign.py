@@ -19,6 +19,7 @@ from pjpdaf.plugins.scenes import cameras_in_front
 from pjpdaf.presets.names import DEFAULT_PRESET
 from pjpdaf.presets.registry import PRESETS
 from scenarios.console.interrupts import Interrupted, interrupts
+from scenarios.console.lines import print_line
 from scenarios.execute.code_digest import NO_TRIAL, code_digest, plug_in_digest
 from scenarios.execute.executor import ClusterFault
 from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
@@ -250,10 +251,8 @@ def _say_fidelities(request: CampaignRequest, spaces: Sequence[Space], fidelity:
     out = Console(stderr=True)
     for space in spaces:
         if fault := fast_fault(request, space):
-            out.print(
-                f"{space.family.name}: played in full: {fault}; --fidelity fast plays it fast",
-                highlight=False,
-                soft_wrap=True,
+            print_line(
+                f"{space.family.name}: played in full: {fault}; --fidelity fast plays it fast", out
             )
 
 

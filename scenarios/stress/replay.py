@@ -19,6 +19,7 @@ from reports.pictures.overlay import overlay_picture
 from reports.summary.text import count
 from reports.words import MEASURE_WORDS
 from scenarios.console.interrupts import unwritten_if_interrupted
+from scenarios.console.lines import print_line
 from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
 from scenarios.play.fast import play_fast
 from scenarios.play.footage import open_footage
@@ -69,30 +70,30 @@ def replay_verb(request: ReplayRequest) -> None:
     replayed = replay(request)
     result = replayed.result
     assert result.robustness is not None
-    out.print(
+    print_line(
         f"{replayed.case.family} seed {replayed.case.seed}, {replayed.fidelity}, tracker "
         f"{replayed.system.tracker}: {count(result.frames, 'frame')} at {result.fps:g} a second",
-        highlight=False,
+        out,
     )
     for measure, rho in result.robustness.measures.items():
         mark = "  fails" if rho < 0 else ""
-        out.print(f"  {MEASURE_WORDS[measure]:<28} rho {rho:+.3f}{mark}", highlight=False)
+        print_line(f"  {MEASURE_WORDS[measure]:<28} rho {rho:+.3f}{mark}", out)
     for event in result.events:
         stage = result.blame.get((event.kind, event.target, event.first))
         fault = f", blame: {stage}" if stage else ""
-        out.print(
+        print_line(
             f"  {event.kind} of {TARGETS[event.target]}: frames {event.first} to {event.last}"
             f"{fault}",
-            highlight=False,
+            out,
         )
     if replayed.expected:
         rho = result.robustness.measures[replayed.expected]
         outcome = "fails as the file says" if rho < 0 else "does not fail any more"
-        out.print(f"{MEASURE_WORDS[replayed.expected]}: {outcome}", highlight=False)
+        print_line(f"{MEASURE_WORDS[replayed.expected]}: {outcome}", out)
     digest = hashlib.sha256(result.to_json()).hexdigest()
-    out.print(f"result: sha256 {digest}", highlight=False)
+    print_line(f"result: sha256 {digest}", out)
     if request.film is not None:
-        out.print(f"film: {request.film}", highlight=False, soft_wrap=True)
+        print_line(f"film: {request.film}", out)
 
 
 def replay(request: ReplayRequest) -> Replayed:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats, Image
 from pjpdaf.camera import Camera
-from sim.camera.shader import kinds_of, mark_textured, shader_of
+from sim.camera.shader import kinds_of, mark_textured, shader_of, soft_edge_m
 from sim.camera.shadow_map import ShadowMap, update_scene
 from sim.gl import context, load_mujoco
 from sim.scene.world import World
@@ -116,6 +116,10 @@ class Canvas:
         """From the world to the shadow map (4, 4) of what is shown; None where nothing casts."""
         return self._shadows.draw(self._option, self._shown)
 
+    def shadow_edge_m(self) -> float:
+        """Half the width [m] of the edges of the shadows in what is shown."""
+        return max(map(soft_edge_m, self._scene.lights[: self._scene.nlight]), default=0.0)
+
     def ids(
         self, size: Size, with_depth: bool
     ) -> tuple[NDArray[np.int32], NDArray[np.float32] | None]:
@@ -139,7 +143,7 @@ class Canvas:
         world_to_map = self.world_to_map()
         eye_to_map = np.eye(4) if world_to_map is None else world_to_map @ self._eye_to_world()
         shader = shader_of(kinds_of(self._scene.lights[: self._scene.nlight]))
-        shader.use(eye_to_map, self._shadows.texture)
+        shader.use(eye_to_map, self._shadows.texture, self.shadow_edge_m())
         try:
             return self._draw(size, self._colour_flags, with_depth)
         finally:

@@ -187,7 +187,10 @@ class StereoRenderer(AbstractContextManager["StereoRenderer"]):
                 )
             )
         shown = self._shown(groups)
-        return StillScene(self._boxes, world.model, world.data, shown, world_to_map, tuple(views))
+        edge_m = canvas.shadow_edge_m()
+        return StillScene(
+            self._boxes, world.model, world.data, shown, world_to_map, tuple(views), edge_m
+        )
 
     def _colour(self, output: _Output, window: Window, base: StillView | None) -> Image:
         """The picture (h, w, 3) BGR: what is drawn in a window of it, around it the still scene."""

@@ -19,6 +19,7 @@ from pjpdaf.arrays import Floats
 from pjpdaf.errors import InfrastructureError
 from sim.gl import REMEDY, functions, load_mujoco
 
+SHARP_M = 0.02  # MuJoCo's own `bulbradius`; of a light that has more, shadows have soft edges
 TEXTURED = 0.999  # alpha of a textured geom; MuJoCo takes all above 0.995 as opaque
 _PICTURE_UNIT, _SHADOW_UNIT = 0, 1
 
@@ -58,24 +59,39 @@ uniform sampler2DShadow map;
 varying vec3 steady, shadowed, at;
 varying vec2 uv;
 varying float textured;
+SHADOW
 void main() {
   vec3 colour = steady + LIT * shadowed;
   vec3 texel = texture2D(picture, uv).rgb;
   gl_FragColor = vec4(textured > 0.5 ? colour * texel : colour, 1.0);
 }
 """
+# The share of the light that reaches twelve places on a disc of the map about the point (Vogel's
+# spiral): percentage-closer filtering (Reeves, Salesin and Cook 1987). soft: the disc's radius, and
+# the depth that a surface may fall within it.
+_SOFT_SHADOW = """uniform vec2 soft;
+float lit() {
+  float sum = 0.0;
+  for (int i = 0; i < 12; i++) {
+    float turn = 2.399963 * float(i), reach = soft.x * sqrt((float(i) + 0.5) / 12.0);
+    sum += shadow2D(map, at + vec3(reach * cos(turn), reach * sin(turn), soft.y)).r;
+  }
+  return sum / 12.0;
+}"""
+_SOFT_SLOPE = 1.2  # of a surface, seen from the light, that does not shade itself
 
 _local = threading.local()
 
 
 @dataclass(frozen=True)
 class LightKind:
-    """The parts of a light that are not black, and whether it casts the shadow."""
+    """The parts of a light that are not black, whether it casts the shadow, and if that is soft."""
 
     ambient: bool
     diffuse: bool
     specular: bool
     shadow: bool
+    soft: bool = False
 
     def statements(self, number: int) -> str:
         """The statements of the vertex shader that add this light."""
@@ -84,6 +100,12 @@ class LightKind:
             text += _FACING + _DIFFUSE * self.diffuse + _SPECULAR * self.specular
         total = "shadowed" if self.shadow else "steady"
         return text.replace("SUM", total).replace("LIGHT", f"gl_LightSource[{number}]")
+
+
+def soft_edge_m(light: Any) -> float:
+    """Half the width [m] of the edges of a light's (MjvLight) shadows; 0 where they are sharp."""
+    edge = float(light.bulbradius) - SHARP_M
+    return edge if light.castshadow and edge > 1e-6 else 0.0
 
 
 def kinds_of(lights: Sequence[Any]) -> tuple[LightKind, ...]:
@@ -100,6 +122,7 @@ def kinds_of(lights: Sequence[Any]) -> tuple[LightKind, ...]:
             diffuse=bool(np.any(light.diffuse)),
             specular=bool(np.any(light.specular)),
             shadow=bool(light.castshadow),
+            soft=soft_edge_m(light) > 0.0,
         )
         for light in lights
     )
@@ -126,7 +149,9 @@ class Shader:
         lights = "".join(kind.statements(number) for number, kind in enumerate(kinds))
         casts = any(kind.shadow for kind in kinds)
         vertex = _VERTEX.replace("LIGHTS", lights).replace("OPAQUE", f"{(1 + TEXTURED) / 2:.6f}")
-        fragment = _FRAGMENT.replace("LIT", "shadow2D(map, at).r" if casts else "1.0")
+        soft = any(kind.soft for kind in kinds)
+        lit = "lit()" if soft else "shadow2D(map, at).r" if casts else "1.0"
+        fragment = _FRAGMENT.replace("LIT", lit).replace("SHADOW", _SOFT_SHADOW if soft else "")
         self._program = gl.glCreateProgram()
         for kind, source in ((gl.GL_VERTEX_SHADER, vertex), (gl.GL_FRAGMENT_SHADER, fragment)):
             gl.glAttachShader(self._program, _compiled(kind, source))
@@ -136,15 +161,22 @@ class Shader:
         for name, unit in ((b"picture", _PICTURE_UNIT), (b"map", _SHADOW_UNIT)):
             gl.glUniform1i(gl.glGetUniformLocation(self._program, name), unit)
         self._eye_to_map = gl.glGetUniformLocation(self._program, b"eye_to_map")
+        self._soft = gl.glGetUniformLocation(self._program, b"soft")
         gl.glUseProgram(0)
 
-    def use(self, eye_to_map: Floats, shadow_texture: int) -> None:
-        """Colour what is drawn next. eye_to_map (4, 4): to the coordinates of the shadow map."""
+    def use(self, eye_to_map: Floats, shadow_texture: int, edge_m: float = 0.0) -> None:
+        """Colour what is drawn next.
+
+        eye_to_map (4, 4): to the coordinates of the shadow map; edge_m: half width of soft edges.
+        """
         gl = self._gl
         gl.glUseProgram(self._program)
         values = np.ascontiguousarray(eye_to_map.T, dtype=np.float32)  # OpenGL's order: columns
         pointer = values.ctypes.data_as(ctypes.POINTER(ctypes.c_float))
         gl.glUniformMatrix4fv(self._eye_to_map, 1, 0, pointer)
+        if self._soft >= 0:
+            across, along = (float(np.linalg.norm(eye_to_map[row, :3])) for row in (0, 2))
+            gl.glUniform2f(self._soft, across * edge_m, along * _SOFT_SLOPE * edge_m)
         gl.glActiveTexture(gl.GL_TEXTURE0 + _SHADOW_UNIT)
         gl.glBindTexture(gl.GL_TEXTURE_2D, shadow_texture)
         gl.glActiveTexture(gl.GL_TEXTURE0 + _PICTURE_UNIT)

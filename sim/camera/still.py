@@ -126,7 +126,7 @@ def _window(tiles: NDArray[np.bool_]) -> Window:
 class StillScene:
     """The poses of the still scene's geoms, and its views.
 
-    shown (ngeom,) bool: the geoms that it shows.
+    shown (ngeom,) bool: the geoms that it shows. edge_m: half the width of its shadows' edges.
     """
 
     def __init__(
@@ -137,8 +137,10 @@ class StillScene:
         shown: NDArray[np.bool_],
         world_to_map: Floats | None,
         views: tuple[StillView, ...],
+        edge_m: float = 0.0,
     ) -> None:
         self.views = views
+        self._edge_m = edge_m
         self._boxes, self._shown = boxes, shown
         self._casts = np.asarray(model.geom_castshadow, dtype=bool)
         self._world_to_map = world_to_map
@@ -167,5 +169,6 @@ class StillScene:
         )
         casting = corners[self._casts[of]]
         on_map = casting @ self._world_to_map[:3, :3].T + self._world_to_map[:3, 3]
-        shadows = view.tiles.shaded_by(on_map.min(axis=1), on_map.max(axis=1))
+        edge = self._edge_m * np.linalg.norm(self._world_to_map[:3, :3], axis=1)
+        shadows = view.tiles.shaded_by(on_map.min(axis=1) - edge, on_map.max(axis=1) + edge)
         return labels, joined(labels, shadows.within(width, height))

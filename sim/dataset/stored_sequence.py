@@ -22,9 +22,22 @@ from pjpdaf.frames import StereoFrame
 from pjpdaf.targets import TARGETS
 from sim.dataset.files import encode
 from sim.dataset.files.cameras import camera_of
-from sim.dataset.files.layout import EVENTS, OBJECTS, RECIPE, RIG, TRUTH, picture_name
+from sim.dataset.files.layout import (
+    EVENTS,
+    OBJECTS,
+    RECIPE,
+    RIG,
+    SKELETON,
+    TRUTH,
+    picture_name,
+)
 from sim.dataset.files.reading import check_inside, read_json, read_table
-from sim.dataset.files.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA, truth_of_rows
+from sim.dataset.files.tables import (
+    OBJECTS_SCHEMA,
+    SKELETON_SCHEMA,
+    TRUTH_SCHEMA,
+    truth_of_rows,
+)
 from sim.dataset.labels.instances import Instance
 from sim.dataset.labels.records import Matches
 from sim.scene.world import CAMERAS
@@ -131,6 +144,11 @@ class StoredSequence:
     def objects(self) -> pd.DataFrame:
         """objects.parquet: a row per frame and object."""
         return read_table(self.path(OBJECTS), OBJECTS_SCHEMA).to_pandas()
+
+    @cached_property
+    def skeletons(self) -> pd.DataFrame:
+        """skeletons.parquet: a row per frame and skeleton."""
+        return read_table(self.path(SKELETON), SKELETON_SCHEMA).to_pandas()
 
     @property
     def truths(self) -> tuple[Truth, ...]:

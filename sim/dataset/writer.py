@@ -27,11 +27,12 @@ from sim.dataset.files.layout import (
     OBJECTS,
     RECIPE,
     RIG,
+    SKELETON,
     TRUTH,
     picture_name,
 )
 from sim.dataset.files.table_writer import TableWriter, writing_tables
-from sim.dataset.files.tables import object_rows, truth_rows
+from sim.dataset.files.tables import object_rows, skeleton_rows, truth_rows
 from sim.dataset.labels.events import events_of
 from sim.dataset.labels.instances import Instances
 from sim.dataset.labels.labeller import Labeller
@@ -116,6 +117,7 @@ def _add_frame(
     rows = truth_rows(frame.time_s, arrived, truth, frame_labels, labeller.instances)
     tables.add(TRUTH, rows)
     tables.add(OBJECTS, object_rows(truth, frame_labels))
+    tables.add(SKELETON, skeleton_rows(truth, frame_labels))
     return rendered, frame_labels
 
 

@@ -96,6 +96,7 @@ def _frame_record(frame: FrameRows) -> dict[str, Any]:
         "events": frame.targets[0]["events"],
         "targets": [_unshared(row) for row in frame.targets],
         "objects": [_unshared(row) for row in frame.objects],
+        "skeletons": [_unshared(row) for row in frame.skeletons],
     }
 
 

@@ -6,7 +6,14 @@ from typing import Any
 
 from pjpdaf.targets import TARGETS
 from sim.dataset.files.layout import DEPTH_UNIT_M, DISPARITY_SCALE, FLOW_SCALE, FLOW_ZERO
-from sim.dataset.labels.records import HIDDEN, KEYPOINTS, NO_SURFACE, OUT_OF_FRAME, SEEN
+from sim.dataset.labels.records import (
+    HIDDEN,
+    KEYPOINTS,
+    NO_SURFACE,
+    OUT_OF_FRAME,
+    SEEN,
+    SKELETONS,
+)
 from sim.scene.world import CAMERAS, ZFAR_M, ZNEAR_M
 
 
@@ -45,6 +52,14 @@ def conventions() -> dict[str, Any]:
         "keypoints": [f"{TARGETS[target]}:{name}" for target, name in KEYPOINTS],
         "keypoint_meaning": "a finger tip is the end of its last bone, 6 to 8 mm inside the drawn "
         "tip",
+        "skeletons": {name: list(points) for name, points in SKELETONS.items()},
+        "skeleton_meaning": "joints of a hand: where its bones meet, inside the finger; cmc, mcp, "
+        "ip of the thumb, mcp, pip, dip of a finger, tip as of the keypoints; person: COCO's "
+        "points of the upper body: tip of the nose and middle of each eye on the drawn face, "
+        "middle of each ear, joints of shoulder, elbow, wrist and hip",
+        "finger_angles_rad": "flexion of each joint of thumb, index, middle, ring and little "
+        "finger, from the wrist on; 0 is straight; the first against the finger's own direction in "
+        "the palm, the others against the bone before",
         "keypoint_status": {"0": "outside the picture", "1": "occluded", "2": "visible"},
         "disparity": {
             "meaning": "x_left - x_right on the pair rectified by R1 R2 P1 P2 of extrinsics.yml",

@@ -5,16 +5,18 @@ from __future__ import annotations
 import re
 
 KIND = "pjpdaf-bench data set"
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
+OLDEST_VERSION = 1  # that can be read; without skeletons
 MANIFEST, CONVENTIONS, CHECKSUMS, CARD = (
     "manifest.json",
     "conventions.json",
     "SHA256SUMS",
     "README.md",
 )
-TRUTH, OBJECTS, EVENTS, RECIPE, RIG = (
+TRUTH, OBJECTS, SKELETON, EVENTS, RECIPE, RIG = (
     "truth.parquet",
     "objects.parquet",
+    "skeletons.parquet",
     "events.json",
     "recipe.json",
     "rig.json",

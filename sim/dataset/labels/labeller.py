@@ -23,6 +23,7 @@ from sim.dataset.labels.records import (
     ObjectState,
     ViewLabels,
 )
+from sim.dataset.labels.skeletons import Skeletons
 from sim.dataset.labels.stereo import Depths, Float32s, PicturePair, RectifiedPair
 from sim.dataset.labels.truncation import IdealPixels, pixels_inside, touches_border, truncation
 from sim.labels import VELOCITY_STEP_S
@@ -54,6 +55,7 @@ class Labeller:
         world, scene = simulation.world, simulation.performance.scene
         self.instances: Instances = instances_of(world)
         self._keypoints = Keypoints(scene.anatomy)
+        self._skeletons = Skeletons(world)
         self._rectified = RectifiedPair(world.rig, world.lenses) if DISPARITY in wanted else None
         self._matches = PicturePair(world.rig, world.lenses) if CORRESPONDENCE in wanted else None
         self._ideal = [
@@ -89,6 +91,8 @@ class Labeller:
         labels = FrameLabels(
             quaternions=_quaternions(np.array([part.rotation for part in parts])),
             keypoints_m=self._keypoints.positions(rendered.pose),
+            skeleton_m=self._skeletons.positions(rendered.pose),
+            finger_angles_rad=self._skeletons.finger_angles(rendered.pose),
             views=(left, right),
             objects=self._objects(rendered.pose),
         )
@@ -120,9 +124,9 @@ class Labeller:
         assert view.geoms is not None
         assert view.amodal is not None
         instances = self.instances.ids(view.geoms)
-        pixels, status = self._keypoints.project(
-            pose, world.rig.cameras[index], world.lenses[index], instances, depth_m
-        )
+        camera, lens = world.rig.cameras[index], world.lenses[index]
+        pixels, status = self._keypoints.project(pose, camera, lens, instances, depth_m)
+        joints, joint_status = self._skeletons.project(pose, camera, lens, view.geoms, depth_m)
         counts = np.bincount(instances.ravel(), minlength=self.instances.highest + 1)
         extra: _ExtraRenders = rendered.hook_results[index]
         in_frame = status[list(CENTRE_KEYPOINTS)] != NOT_LABELLED
@@ -135,6 +139,8 @@ class Labeller:
             hidden_px=hidden(view.amodal, instances, self.instances.highest),
             keypoints_px=pixels,
             keypoint_status=status,
+            skeleton_px=joints,
+            skeleton_status=joint_status,
             objects_px=counts[FIRST_OBJECT:].astype(np.int64),
         )
 

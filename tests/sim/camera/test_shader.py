@@ -8,7 +8,7 @@ import pytest
 
 from pjpdaf.errors import InfrastructureError
 from sim.camera.render import StereoRenderer
-from sim.camera.shader import LightKind, Shader, kinds_of, shader_of
+from sim.camera.shader import SHARP_M, LightKind, Shader, kinds_of, shader_of, soft_edge_m
 from sim.gl import load_mujoco
 from sim.person.rest import rest_pose
 from sim.scene.world import build
@@ -61,6 +61,7 @@ def light(**changes):
         "diffuse": np.ones(3),
         "specular": np.zeros(3),
         "castshadow": 0,
+        "bulbradius": SHARP_M,
     }
     return SimpleNamespace(**values | changes)
 
@@ -71,6 +72,9 @@ def test_kinds_of_lights():
         LightKind(ambient=True, diffuse=False, specular=False, shadow=False),
         LightKind(ambient=False, diffuse=True, specular=False, shadow=True),
     )
+    (soft,) = kinds_of([light(castshadow=1, bulbradius=SHARP_M + 0.004)])
+    assert soft.soft
+    assert soft_edge_m(light(bulbradius=SHARP_M + 0.004)) == 0.0
     with pytest.raises(ValueError, match="only one light of a scene may cast shadows"):
         kinds_of([light(castshadow=1), light(castshadow=1)])
     with pytest.raises(ValueError, match="must be directional"):
