@@ -14,6 +14,7 @@ from typing import Any
 from rich.console import Console
 
 from pjpdaf.errors import BenchError
+from pjpdaf.plugins.loading import allow_plug_ins_from_here
 from pjpdaf.plugins.registry import DETECTORS, TRACKERS, make_detector, make_tracker
 from pjpdaf.plugins.scenes import cameras_in_front
 from pjpdaf.presets.names import DEFAULT_PRESET
@@ -22,7 +23,7 @@ from scenarios.console.interrupts import Interrupted, interrupts
 from scenarios.console.lines import print_line
 from scenarios.execute.code_digest import NO_TRIAL, code_digest, plug_in_digest
 from scenarios.execute.executor import ClusterFault
-from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
+from scenarios.execute.isolated import try_plug_ins
 from scenarios.execute.journal import Journal
 from scenarios.execute.place import executor_at, place_of
 from scenarios.execute.software import PlugIns

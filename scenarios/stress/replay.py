@@ -12,6 +12,7 @@ from rich.console import Console
 
 from pjpdaf.errors import BenchError, PlugInFault
 from pjpdaf.follow import FollowedFrame
+from pjpdaf.plugins.loading import allow_plug_ins_from_here
 from pjpdaf.presets.registry import PRESETS
 from pjpdaf.targets import TARGETS
 from reports.pictures.film import FilmWriter, film_suffix
@@ -20,7 +21,7 @@ from reports.summary.text import count
 from reports.words import MEASURE_WORDS
 from scenarios.console.interrupts import unwritten_if_interrupted
 from scenarios.console.lines import print_line
-from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
+from scenarios.execute.isolated import try_plug_ins
 from scenarios.play.fast import play_fast
 from scenarios.play.footage import open_footage
 from scenarios.play.job import System
