@@ -115,4 +115,4 @@ def backwards():
 jumps = _with(lambda state, t: state.moved([0.2 * (t > 2.0), 0, 0]))
 not_finite = _with(lambda state, t: state.moved([np.nan if t > 2.0 else 0.0, 0, 0]))
 curled_twice = _with(lambda state, t: replace(state, curls=state.curls + 1.5 * (t > 2.0)))
-sunk = _with(lambda state, t: state.moved([0, 0, 0.4 * -(min(max(t - 1.2, 0.0), 1.0) ** 3)]))
+too_far = _with(lambda state, t: state.moved([0.8 * min(max(t - 1.2, 0.0), 1.0) ** 3, 0, 0]))

@@ -31,7 +31,7 @@ def origin_line(
         return ""
     if plugged:
         anew = f"{count(plugged, 'episode')} of plug-ins' motions are rendered anew each time"
-        others = f", {replayed} of the others from the cache" if plugged < len(drawn) else ""
+        others = f", {replayed} of the others from the cache" if replayed else ""
         return f"footage: {anew}{others} (the cache cannot know all of their code)"
     if replayed == len(drawn):
         return "footage: all from the cache, nothing rendered (--no-cache renders anew)"

@@ -16,6 +16,7 @@ from scenarios.spec.corpus_case import (
     load_corpus_case,
 )
 from scenarios.spec.loader import load_either_file, load_scenario_file, load_suite_file, parse
+from scenarios.spec.motion.plugged import trust
 from scenarios.spec.own_motion import is_own_motion, scenario_of_motion
 from scenarios.spec.scenario import Scenario
 from scenarios.spec.suggestion import suggestion
@@ -95,6 +96,7 @@ def resolve(name: str) -> Scenario | Suite:
             return corpus_suite((load_corpus_case(name),))
         return load_either_file(Path(name))
     if is_own_motion(name):
+        trust(name)
         return scenario_of_motion(name)
     if name == CORPUS and (cases := corpus_cases(CORPUS)):
         return corpus_suite(cases)

@@ -7,8 +7,8 @@ import re
 from pydantic import ValidationError
 
 from pjpdaf.errors import BenchError
-from pjpdaf.plugins.loading import entry_point_names
-from scenarios.spec.motion.plugged import MODULE_FACTORY, trust
+from pjpdaf.plugins.loading import allow_plug_ins_from_here, entry_point_names
+from scenarios.spec.motion.plugged import MODULE_FACTORY, fault_of_name
 from scenarios.spec.scenario import Scenario
 from sim.families.plugged import MOTIONS, own_motion
 
@@ -23,9 +23,11 @@ def is_own_motion(name: str) -> bool:
 def scenario_of_motion(name: str) -> Scenario:
     """The scenario that a plug-in's motion is by itself. Raises BenchError.
 
-    name: an entry point, or module:factory: the user has named it, so that it is trusted.
+    name: an entry point, or module:factory, which the user must trust (`trust`).
     """
-    trust(name)
+    if fault := fault_of_name(name):
+        raise BenchError(fault)
+    allow_plug_ins_from_here(name)
     made = own_motion(name)
     plain = re.sub(r"[^a-z0-9_]+", "_", name.rpartition(":")[2].lower()).lstrip("_0123456789")
     record = {

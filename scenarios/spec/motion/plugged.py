@@ -18,28 +18,41 @@ from sim.motion.stage import Family
 TRUSTED_VARIABLE = "PJPDAF_BENCH_MOTIONS"
 MODULE_FACTORY = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*", re.ASCII)
 _PARAMETER: TypeAdapter[Parameter] = TypeAdapter(Parameter)
-_named_here: set[str] = set()
 
 
-def trust(name: str) -> None:
-    """Let files use this module:factory, because the user has; it may lie in the current folder."""
-    _named_here.add(name)
-    allow_plug_ins_from_here(name)
+def trust(*names: str) -> None:
+    """Let files and workers load the module:factory among names, because the user has named it.
+
+    It may lie in the current folder.
+    """
+    for name in names:
+        if MODULE_FACTORY.fullmatch(name) and name not in _trusted():
+            os.environ[TRUSTED_VARIABLE] = ",".join([*sorted(_trusted()), name])
+            allow_plug_ins_from_here(name)
 
 
-def _refuse_strange(name: object) -> object:
-    """Raise a fault for a module:factory that a file names and the user does not: it is code."""
-    if not isinstance(name, str) or ":" not in name:
-        return name
-    trusted = {one.strip() for one in os.environ.get(TRUSTED_VARIABLE, "").split(",")}
+def _trusted() -> set[str]:
+    named = os.environ.get(TRUSTED_VARIABLE, "").split(",")
+    return {name.strip() for name in named} - {""}
+
+
+def fault_of_name(name: str) -> str:
+    """Why the user must first say that they trust a module:factory, or ""; it is code."""
+    if ":" not in name or name in _trusted():
+        return ""
     if MODULE_FACTORY.fullmatch(name) is None:
-        raise fault_at(f"must be written module:factory, got {name[:60]!r}")
-    if name not in trusted | _named_here:
-        raise fault_at(
-            f"{name} is code, and a file alone does not start code; to trust it set "
-            f"{TRUSTED_VARIABLE}={name}"
-        )
-    allow_plug_ins_from_here(name)
+        return f"must be written module:factory, got {name[:60]!r}"
+    return (
+        f"{name} is code, and a file alone does not start code; to trust it set "
+        f"{TRUSTED_VARIABLE}={name}"
+    )
+
+
+def _trusted_kind(name: object) -> object:
+    if isinstance(name, str):
+        if fault := fault_of_name(name):
+            raise fault_at(fault)
+        allow_plug_ins_from_here(name)
     return name
 
 
@@ -51,7 +64,7 @@ class PluggedMotion(Record):
 
     kind: Annotated[
         Text,
-        BeforeValidator(_refuse_strange),
+        BeforeValidator(_trusted_kind),
         Field(
             max_length=200, description="entry point of pjpdaf_bench.families, or module:factory"
         ),
