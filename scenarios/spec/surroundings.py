@@ -70,7 +70,7 @@ _WIDER: Mapping[str, Numeric | Choice] = {
         {"none": 0.76, "wall": 0.06, "table": 0.06, "shirt": 0.06, "all": 0.06},
         "what is of a colour near skin instead: beige wall, wooden table, camel shirt",
     ),
-    "light_gain": _whole("light_gain", 0.7, 1.3),
+    "light_gain": _whole("light_gain", 0.8, 1.3),
     "light_azimuth": uniform(
         "deg", (-45.0, 105.0), -45.0, 105.0, "key light, turned about the vertical"
     ),
@@ -104,6 +104,7 @@ _ROOM: Mapping[str, Numeric | Choice] = {
     "light_softness": uniform("1", (0.0, 1.0), 0.0, 1.0, "softness of shadows' edges"),
     "light_contrast": uniform("1", (0.0, 1.0), 0.0, 1.0, "from even light to light of one side"),
     "lamp": _one_of(words.LAMPS, "a lamp that is lit besides"),
+    "shadow_lights": choice({"one": 1.0, "two": 0.0}, "lights with shadows: key light, and lamp"),
 }
 
 PARAMETERS: Mapping[str, Numeric | Choice] = {**_WIDER, **_ROOM}
@@ -163,4 +164,5 @@ def surroundings_of(values: Values) -> Surroundings | None:
         light_softness=number(values, "light_softness"),
         light_contrast=number(values, "light_contrast"),
         lamp=word("lamp"),
+        shadow_lights={"one": 1, "two": 2}[word("shadow_lights")],
     )
