@@ -109,6 +109,7 @@ _ROOM: Mapping[str, Numeric | Choice] = {
     "light_softness": uniform("1", (0.0, 1.0), 0.0, 1.0, "softness of shadows' edges"),
     "light_contrast": uniform("1", (0.0, 1.0), 0.0, 1.0, "from even light to light of one side"),
     "lamp": _one_of(words.LAMPS, "a lamp that is lit besides"),
+    "shadow_lights": choice({"one": 1.0, "two": 0.0}, "lights with shadows: key light, and lamp"),
 }
 
 PARAMETERS: Mapping[str, Numeric | Choice] = {**_WIDER, **_ROOM}
@@ -168,4 +169,5 @@ def surroundings_of(values: Values) -> Surroundings | None:
         light_softness=number(values, "light_softness"),
         light_contrast=number(values, "light_contrast"),
         lamp=word("lamp"),
+        shadow_lights={"one": 1, "two": 2}[word("shadow_lights")],
     )
