@@ -111,11 +111,13 @@ def measure(
     from scenarios.catalogue.survey_table import survey_table
     from scenarios.console.progress import progress
     from scenarios.console.tables import print_table
+    from scenarios.spec.motion.plugged import trust
     from scenarios.spec.names import load_scenario, scenario_names
     from sim.steps import counted
 
     if not 1 <= seeds <= 1000:
         raise BenchError(f"--seeds must be between 1 and 1000, got {seeds}")
+    trust(*(names or ()))
     scenarios = [load_scenario(name) for name in names or scenario_names()]
     with progress() as meter:
         meter.begin("measuring", len(scenarios), "scenario")

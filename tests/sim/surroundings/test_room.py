@@ -136,6 +136,32 @@ def test_soft_shadows_are_the_same_whether_all_or_a_part_is_drawn():
     assert 0.001 < softened.mean() < 0.1, "the edges of shadows, and only these"
 
 
+def test_a_second_light_casts_shadows_of_its_own():
+    """Both lights' shadows lie on the table, each where the other's light still reaches."""
+    two = scene_with(replace(PLAIN, shadow_lights=2, light_softness=0.0, light_contrast=0.0))
+    pose = rest_pose(two.anatomy, two.room)
+    raised = rest_pose(two.anatomy, two.room, ((0.35, -0.3, 1.1), (0.45, 0.1, 0.85)))
+    world = build(two)
+    casting = np.flatnonzero(world.model.light_castshadow)
+    assert len(casting) == 2
+    with StereoRenderer(world) as plain, StereoRenderer(world, pose) as still:
+        both, part = (_colours(renderer, raised) for renderer in (plain, still))
+    assert (np.abs(both.astype(int) - part).max(axis=-1) > 2).mean() < 2e-4
+    shadows = []
+    for light in casting:
+        world.model.light_castshadow[casting] = 1
+        world.model.light_castshadow[light] = 0
+        with StereoRenderer(world) as renderer:
+            shadows.append(
+                _colours(renderer, raised).astype(int).sum(axis=-1) - both.sum(axis=-1) > 12
+            )
+    first, second = shadows
+    assert first.mean() > 0.004
+    assert second.mean() > 0.004
+    assert (first & ~second).mean() > 0.002
+    assert (second & ~first).mean() > 0.002
+
+
 def _colours(renderer, pose):
     renderer.world.place(pose)
     return renderer.view(0, labels=False, amodal=False).colour
