@@ -127,11 +127,7 @@ class Shader:
         casts = any(kind.shadow for kind in kinds)
         vertex = _VERTEX.replace("LIGHTS", lights).replace("OPAQUE", f"{(1 + TEXTURED) / 2:.6f}")
         fragment = _FRAGMENT.replace("LIT", "shadow2D(map, at).r" if casts else "1.0")
-        self._program = gl.glCreateProgram()
-        for kind, source in ((gl.GL_VERTEX_SHADER, vertex), (gl.GL_FRAGMENT_SHADER, fragment)):
-            gl.glAttachShader(self._program, _compiled(kind, source))
-        gl.glLinkProgram(self._program)
-        _check(gl.glGetProgramiv, gl.glGetProgramInfoLog, self._program, gl.GL_LINK_STATUS)
+        self._program = linked(vertex, fragment)
         gl.glUseProgram(self._program)
         for name, unit in ((b"picture", _PICTURE_UNIT), (b"map", _SHADOW_UNIT)):
             gl.glUniform1i(gl.glGetUniformLocation(self._program, name), unit)
@@ -164,6 +160,20 @@ def shader_of(kinds: tuple[LightKind, ...]) -> Shader:
         known[kinds] = Shader(kinds)
     shader: Shader = known[kinds]
     return shader
+
+
+def linked(vertex: str, fragment: str) -> Any:
+    """The program of a vertex and a fragment shader, in this thread's OpenGL context.
+
+    Raises InfrastructureError where the driver refuses it.
+    """
+    gl = functions()
+    program = gl.glCreateProgram()
+    for kind, source in ((gl.GL_VERTEX_SHADER, vertex), (gl.GL_FRAGMENT_SHADER, fragment)):
+        gl.glAttachShader(program, _compiled(kind, source))
+    gl.glLinkProgram(program)
+    _check(gl.glGetProgramiv, gl.glGetProgramInfoLog, program, gl.GL_LINK_STATUS)
+    return program
 
 
 def _compiled(kind: int, source: str) -> Any:
