@@ -12,7 +12,7 @@ from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import STATUSES, Detections, Estimates
 from pjpdaf.targets import TARGETS
 from reports.footage.gallery import Gallery
-from reports.footage.stated import DOUBTFUL, SURE_M, StatedDoubt, StatedError, StatedErrors
+from reports.footage.stated import DOUBTFUL, StatedDoubt, StatedError, StatedErrors
 from reports.summary.text import count
 from reports.words import LABELS
 
@@ -146,22 +146,20 @@ class TrackRecord:
                 "skin (--skin-sample) or a better background may help."
             )
         shares = ", ".join(
-            f"{LABELS[s.target]} {_percent(s.shares['tracked'])} ({_percent(s.stated.sure)})"
-            for s in self.summaries()
+            f"{LABELS[s.target]} {_percent(s.shares['tracked'])}" for s in self.summaries()
         )
-        return (
-            f"Tracking began at frame {self.first_frame} ({self.first_s:.1f} s). "
-            "Found in the frames from there on (in brackets: those with a stated standard "
-            f"deviation of {1000 * SURE_M:.0f} mm or less): {shares}. {self._doubt_words()}"
-        )
+        since = f"tracking began in frame {self.first_frame} ({self.first_s:.1f} s)"
+        if not self.first_frame:
+            since = "the first"
+        return f"Found in the frames since {since}: {shares}. {self._doubt_words()}"
 
     def _doubt_words(self) -> str:
         doubt = self.doubt
         if not doubt.frames:
             return "The tracker does not say how sure it is of right and left."
         return (
-            f"Right and left in doubt ({_percent(DOUBTFUL)} or more that they are exchanged) in "
-            f"{_percent(doubt.doubtful)} of the frames."
+            f"The tracker doubts which hand is which ({_percent(DOUBTFUL)} or more that they are "
+            f"exchanged) in {_percent(doubt.doubtful)} of them."
         )
 
     def _sample(self, frame: StereoFrame, estimates: Estimates) -> None:

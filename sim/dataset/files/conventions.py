@@ -87,8 +87,9 @@ def conventions() -> dict[str, Any]:
             "groups": {name: list(classes) for name, classes in CLASS_GROUPS.items()},
             "meaning": "one byte a class; face: skin of face and ears, with painted brows, lips "
             "and beard; hand: skin of palm, fingers and wrist; arm: bare skin above the wrist; "
-            "table: with its legs; shelf: with its books; chair: with its cushion; clutter: "
-            "anything else of the room; objects of the scene are instances of seg",
+            "table: with its legs; shelf: shelves, boards, bookcases and cupboards with books; "
+            "chair: with its cushion; other_person: in the background; clutter: anything "
+            "else of the room; objects are the instances of seg",
         },
         "normals": {
             "meaning": "unit normal of the surface as it is lit, in the camera's frame (x right, y "

@@ -15,7 +15,7 @@ from sim.scene.world import World
 CLASSES = (
     *("nothing", "face", "neck", "hair", "glasses", "hand", "arm", "clothes"),
     *("object", "table", "floor", "wall", "door", "window", "picture", "shelf", "chair"),
-    *("plant", "lamp", "screen", "other_person", "clutter"),
+    *("plant", "lamp", "screen", "other_person", "clutter", "ceiling"),
 )
 # Classes that together are what other data sets call by one name.
 CLASS_GROUPS: dict[str, tuple[str, ...]] = {
@@ -29,18 +29,20 @@ CLASS_GROUPS: dict[str, tuple[str, ...]] = {
 _ROOM = {
     "floor": "floor",
     "rug": "floor",
-    **dict.fromkeys(("wall", "skirting"), "wall"),
+    **dict.fromkeys(("wall", "skirting", "cornice"), "wall"),
+    "ceiling": "ceiling",
     **dict.fromkeys(("jamb", "lintel", "door", "panel", "handle"), "door"),
     **dict.fromkeys(("window", "blind", "curtain", "sill"), "window"),
     **dict.fromkeys(("frame", "mat", "painting", "picture", "poster"), "picture"),
-    "shelf": "shelf",
+    **dict.fromkeys(("shelf", "board", "bookcase", "cupboard"), "shelf"),
     **dict.fromkeys(("seat", "chair"), "chair"),
     "table": "table",
     "plant": "plant",
-    "lamp": "lamp",
+    **dict.fromkeys(("lamp", "ceiling_lamp"), "lamp"),
     "screen": "screen",
-    "bystander": "other_person",
 }
+# Of things that stand on others, by the last word of a geom's name.
+_STANDING = {**dict.fromkeys(("leaf", "stem", "pot", "soil"), "plant"), "vase": "clutter"}
 _ARMS = ("upper_arm", "forearm")
 
 
@@ -67,8 +69,15 @@ def _class_of(world: World, geom: int) -> str:
     if int(model.geom_group[geom]) in world.person_groups:
         return _class_of_person(_material(model, geom), body)
     if body.startswith("object:"):
-        return "object"
-    return _ROOM.get(name.partition(":")[0], "clutter")
+        return "other_person" if body.removeprefix("object:") in _people(world) else "object"
+    standing = [word for word in name.split(":") if word in _STANDING]
+    return _STANDING[standing[-1]] if standing else _ROOM.get(name.partition(":")[0], "clutter")
+
+
+def _people(world: World) -> set[str]:
+    """Names of the objects that are people."""
+    assert world.scene is not None, "only a scene with a person has classes"
+    return {spec.name for spec in world.scene.room.objects if spec.kind == "bystander"}
 
 
 def _class_of_person(material: str, body: str) -> str:

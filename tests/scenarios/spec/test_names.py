@@ -32,7 +32,8 @@ def test_the_catalogue_has_all_scenarios_and_suites():
         "mirror", "swap_hidden", "parallel",
         "recorded",
     }  # fmt: skip
-    assert set(suite_names()) == {"smoke", "core", "thesis", "fast", "occlusion", "traps"}
+    suites = {"smoke", "core", "thesis", "fast", "occlusion", "traps", "varied"}
+    assert set(suite_names()) == suites
 
 
 def test_core_plays_every_scenario_and_every_nuisance():

@@ -21,7 +21,7 @@ _PARTS: dict[int, tuple[str, ...]] = {
     PERSON: ("hair", "glasses", "arm", "hand", "face", "clothes"),
     TABLE: ("table",),
     ROOM: _ROOM,
-    **dict.fromkeys(range(FIRST_OBJECT, MAX_ID + 1), ("object",)),
+    **dict.fromkeys(range(FIRST_OBJECT, MAX_ID + 1), ("object", "other_person")),
 }
 _ALLOWED = np.zeros((MAX_ID + 1, 256), bool)  # by instance id and class
 for _id, _names in _PARTS.items():
