@@ -22,8 +22,9 @@ class Appearance:
     sleeves: str = "long"  # one of sim.person.sleeves.SLEEVES
     beard: bool = False
     glasses: bool = False
-    hair: str = "short"  # one of sim.person.head.HAIR
+    hair: str = "short"  # one of sim.person.hair.HAIR
     shirt_pattern: str = "plain"  # one of sim.surfaces.textures.PATTERNS
+    expression: str = "neutral"  # one of sim.person.face.EXPRESSIONS
 
 
 @dataclass(frozen=True)

@@ -25,3 +25,12 @@ def test_every_relative_link_leads_to_a_file(page):
     own = [link for link in links if "://" not in link and not link.startswith("mailto:")]
     missing = [link for link in own if not (page.parent / link).exists()]
     assert not missing
+
+
+def test_the_gallery_shows_every_case_of_the_corpus():
+    text = (ROOT / "docs" / "stress_failures.md").read_text(encoding="utf-8")
+    shown = re.findall(r"^!\[(\w+)\]\(pictures/stress/\1\.jpg\)$", text, flags=re.MULTILINE)
+    cases = sorted(path.stem for path in (ROOT / "scenarios" / "corpus").glob("*.yaml"))
+    assert sorted(shown) == cases
+    pictures = sorted(path.stem for path in (ROOT / "docs" / "pictures" / "stress").glob("*.jpg"))
+    assert pictures == cases

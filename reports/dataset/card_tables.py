@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Mapping
 from html import escape
 
 from ruamel.yaml import YAML
@@ -21,8 +22,10 @@ from sim.dataset.files.layout import (
 )
 from sim.dataset.reader import Dataset
 from sim.dataset.statistics import Statistics
+from sim.dataset.stored_sequence import StoredSequence
 
 PICTURES, SAMPLE = "pictures", "sample.jpg"
+IDENTITY = ("room", "body", "rig")  # of a sequence's recipe
 LONG_TABLE = 24  # sequences; of more the table is by scenario
 TASKS = ("object-detection", "image-segmentation", "depth-estimation", "keypoint-detection")
 TAGS = ("stereo", "tracking", "hands", "head", "disparity", "synthetic", "mujoco")
@@ -88,12 +91,20 @@ def sequence_table(dataset: Dataset, statistics: Statistics) -> str:
     for sequence in dataset.sequences:
         entry = sequence.entry
         cells = [str(entry.get(key, "")) for key in ("label", "scenario", "rung", "seed")]
+        cells += [identity_part(sequence, part)[:8] for part in IDENTITY]
         lines.append(
             f"| {sequence.name} | {' | '.join(map(escaped, cells))} | {sequence.frame_count} "
             f"| {sequence.fps:g} |"
         )
-    head = "| folder | label | scenario | rung | seed | frames | frames/s |"
-    return "\n".join([head, "|---|---|---|---|--:|--:|--:|", *lines])
+    head = "| folder | label | scenario | rung | seed | room | body | rig | frames | frames/s |"
+    return "\n".join([head, "|---|---|---|---|--:|---|---|---|--:|--:|", *lines])
+
+
+def identity_part(sequence: StoredSequence, part: str) -> str:
+    """The digest of "room", "body" or "rig" in a sequence's recipe; "" where it has none."""
+    identity = sequence.recipe.get("identity")
+    value = identity.get(part) if isinstance(identity, Mapping) else None
+    return value if isinstance(value, str) else ""
 
 
 def label_tables(statistics: Statistics) -> str:

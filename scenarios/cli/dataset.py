@@ -51,6 +51,13 @@ def make(
             help="Each sequence five times: clean, + noise, + blur, + lens, + skin and light.",
         ),
     ] = False,
+    varied: Annotated[
+        bool,
+        typer.Option(
+            "--varied",
+            help="Each sequence in a room, body and rig of its own [the suite varied].",
+        ),
+    ] = False,
     settings: ScenarioSettings = None,
     jobs: Jobs = None,
     cluster: Cluster = None,
@@ -84,7 +91,7 @@ def make(
     chosen = parse_labels(labels)
     make_dataset(
         MakeRequest(
-            targets=tuple(targets or ("smoke",)),
+            targets=tuple(targets or ("varied" if varied else "smoke",)),
             out=out,
             seeds=seeds,
             first_seed=first_seed,
@@ -92,6 +99,7 @@ def make(
             labels=SequenceSettings(chosen, None if size is None else parse_size(size)),
             exports=parse_formats(export, chosen),
             ladder=ladder,
+            varied=varied,
             jobs=jobs,
             cluster=cluster,
         )

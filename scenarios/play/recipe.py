@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +11,14 @@ from pydantic import ValidationError
 
 from pjpdaf.errors import BenchError
 from scenarios.play.job import Job, System, digest_of
-from scenarios.spec.draw import concrete, perform
+from scenarios.spec.draw import concrete, in_si, perform, scene_of
 from scenarios.spec.names import load_scenario, scenario_names
 from scenarios.spec.parameters.file import File, FileText, file_named
 from scenarios.spec.scenario import Scenario, digest
 from scenarios.spec.suggestion import suggestion
 from sim.dataset.files.layout import DEFAULT_LABELS, LABELS
 from sim.motion.stage import Value
+from sim.scene.identity import identity_of
 from sim.script import Performance
 from sim.specs import RigSpec
 
@@ -61,9 +62,13 @@ class Recipe:
         return files_of(self.job)
 
     def record(self, redrawn: int) -> dict[str, Any]:
-        """The content of recipe.json. redrawn: as the performance says."""
+        """The content of recipe.json. redrawn: as the performance says.
+
+        identity: digests of room, body and rig, whatever the size of the pictures.
+        """
         job = self.job
         values = concrete(job.scenario, job.seed, job.overrides, redrawn)
+        scene = scene_of(job.scenario, in_si(job.scenario, values))
         return {
             "kind": KIND,
             "schema": SCHEMA_VERSION,
@@ -85,6 +90,7 @@ class Recipe:
                 name: value if isinstance(value, int | float) else str(value)
                 for name, value in values.items()
             },
+            "identity": asdict(identity_of(scene)),
             "settings": self.settings.record(),
             "made_with": dict(self.made_with),
         }

@@ -20,8 +20,7 @@ from scenarios.spec.suggestion import suggestion
 from scenarios.spec.surroundings import PARAMETERS, RIG, VARIED, surroundings_of
 from scenarios.spec.things import off_the_table, second_person, with_clutter
 from sim.contact.contact import Unposable
-from sim.families.registry import FAMILIES
-from sim.motion.measure import fault_of
+from sim.motion.measure import MotionFault, fault_of
 from sim.motion.motion import Performer
 from sim.motion.opening import with_opening
 from sim.motion.stage import Stage, Value, Values
@@ -35,6 +34,8 @@ from sim.specs import SceneSpec
 MAX_DRAWS = 20  # of a seed, until a person can perform the motion
 MAX_RIGS = 60  # of a draw, until the varied rig sees the person: 2 in 5 do
 JUDGED_HZ, MOST_JUDGED = 6.0, 400  # rate and number of the poses by which a draw is judged
+
+_MOMENT_S = 0.2  # what is found at a moment may be the fault of the step before or after
 
 SETTINGS = ("frames", "fps", "background_frames")  # fields that `--set` may change as well
 
@@ -129,7 +130,7 @@ def setting_of(scenario: Scenario, overrides: Mapping[str, Value], name: str) ->
 
 def scene_of(scenario: Scenario, values: Values, extras: Extras = NO_EXTRAS) -> SceneSpec:
     """Build the scene of concrete values in SI units."""
-    objects = FAMILIES[scenario.motion.kind].objects(values)
+    objects = scenario.motion_family.objects(values)
     return SceneSpec(
         anatomy=person_and_room.anatomy_of(values),
         appearance=person_and_room.appearance_of(values),
@@ -221,7 +222,7 @@ def unjudged(
     )
     scene = scene_of(scenario, values, extras)
     stage = Stage(scene=scene, values=values, streams=streams, duration_s=duration_s)
-    plan = FAMILIES[scenario.motion.kind].plan(stage)
+    plan = scenario.motion_family.plan(stage)
     opened = with_opening(stage, plan, str(values["start"]))
     if scene.room.surroundings is not None:
         scene = with_clutter(scene, opened, _judged_times(duration_s))
@@ -250,10 +251,24 @@ def judged(performance: Performance) -> str | None:
     duration_s = _duration_s(performance.frames, performance.fps)
     times_s = _judged_times(duration_s)
     if performer.scene.room.surroundings is not None:
-        fault = off_the_table(performer.scene) or out_of_view(performer, times_s)
-        if fault is not None:
-            return fault
-    return fault_of(performer, times_s, surely_possible(performer, times_s).tolist())
+        cannot = off_the_table(performer.scene) or out_of_view(performer, times_s)
+        if cannot is not None:
+            return cannot
+    fault = fault_of(performer, times_s, surely_possible(performer, times_s).tolist())
+    return None if fault is None else _with_steps(performer, fault)
+
+
+def _with_steps(performer: Performer, fault: MotionFault) -> str:
+    """A fault behind the steps of a script that go on then, or that came last."""
+    begun = [step for step in performer.plan.steps if step.from_s <= fault.time_s + _MOMENT_S]
+    last = {step.side: step for step in begun}  # of each hand and the head
+    going = [step for step in last.values() if step.to_s >= fault.time_s - _MOMENT_S]
+    named = going or sorted(last.values(), key=lambda step: step.to_s)[-1:]
+    if not named:
+        return str(fault)
+    others = [step.title for step in named[1:] if step.title != named[0].title]
+    also = f" (with {', '.join(others)})" if others else ""
+    return f"{named[0].where}{also}: {fault}"
 
 
 def _judged_times(duration_s: float) -> list[float]:

@@ -10,8 +10,11 @@ import hashlib
 import json
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, Field, field_validator, model_validator
+from pydantic import BaseModel, Field, model_validator
 
+from scenarios.spec.motion.checks import script_faults
+from scenarios.spec.motion.kinds import AnyMotion
+from scenarios.spec.motion.script import ScriptMotion
 from scenarios.spec.parameters.choice import Choice
 from scenarios.spec.parameters.file import File
 from scenarios.spec.parameters.numeric import Numeric
@@ -27,7 +30,7 @@ from scenarios.spec.surroundings import (
     VARIED,
     standard_parameters,
 )
-from sim.families.registry import FAMILIES
+from sim.motion.stage import Family
 
 MAX_FRAMES = 20_000
 
@@ -38,20 +41,6 @@ def _is_nominal(surroundings: str) -> bool:
 
 # Left out of a record's JSON where nominal, so that digests of nominal scenarios stay.
 SurroundingsKind = Annotated[Literal["nominal", "varied"], Field(exclude_if=_is_nominal)]
-
-
-class Motion(Record):
-    """Which family of motion plays the parameters."""
-
-    kind: Annotated[Name, Field(json_schema_extra={"enum": list(FAMILIES)})]
-
-    @field_validator("kind")
-    @classmethod
-    def _known(cls, kind: str) -> str:
-        if kind not in FAMILIES:
-            known, hint = ", ".join(FAMILIES), did_you_mean(kind, FAMILIES)
-            raise fault_at(f"must be one of {known}, got {kind!r}{hint}")
-        return kind
 
 
 class Scenario(Record):
@@ -78,13 +67,15 @@ class Scenario(Record):
     twins: tuple[Name, ...] = ()
     surroundings: SurroundingsKind = "nominal"
     rooms: Annotated[Text, Field(max_length=200, exclude_if=lambda name: not name)] = ""
-    motion: Motion
+    motion: AnyMotion
     parameters: dict[Name, Parameter]
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
         """The standard parameters are added; a family's own must be there, and no others."""
-        own = FAMILIES[self.motion.kind].parameters
+        if isinstance(self.motion, ScriptMotion):
+            self._refuse_faulty_script(self.motion)
+        own = self.motion_family.parameters
         standard = standard_parameters(self.surroundings)
         if self.rooms and self.surroundings != VARIED:
             raise fault_at("goes with `surroundings: varied`", "rooms")
@@ -122,6 +113,23 @@ class Scenario(Record):
         merged = dict(standard) | self.parameters
         object.__setattr__(self, "parameters", merged)
         return self
+
+    def _refuse_faulty_script(self, motion: ScriptMotion) -> None:
+        """Raise the first fault of a script."""
+        known = {**standard_parameters(self.surroundings), **self.parameters}
+        for fault in script_faults(motion, known, self._own_names):
+            raise fault_at(fault.message, fault.path)
+
+    @property
+    def motion_family(self) -> Family:
+        """The family of motion that plays it."""
+        return self.motion.family(self._own_names)
+
+    @property
+    def _own_names(self) -> tuple[str, ...]:
+        """Names of the parameters that are not standard ones."""
+        standard = standard_parameters(self.surroundings)
+        return tuple(name for name in self.parameters if name not in standard)
 
 
 def in_varied_surroundings(scenario: Scenario, rooms: str) -> Scenario:

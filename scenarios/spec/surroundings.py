@@ -70,7 +70,7 @@ _WIDER: Mapping[str, Numeric | Choice] = {
         {"none": 0.76, "wall": 0.06, "table": 0.06, "shirt": 0.06, "all": 0.06},
         "what is of a colour near skin instead: beige wall, wooden table, camel shirt",
     ),
-    "light_gain": _whole("light_gain", 0.7, 1.3),
+    "light_gain": _whole("light_gain", 0.8, 1.3),
     "light_azimuth": uniform(
         "deg", (-45.0, 105.0), -45.0, 105.0, "key light, turned about the vertical"
     ),

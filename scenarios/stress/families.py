@@ -13,7 +13,6 @@ from scenarios.spec.parameters.file import File
 from scenarios.spec.parameters.numeric import Numeric
 from scenarios.spec.scenario import Scenario
 from scenarios.spec.suggestion import did_you_mean, suggestion
-from sim.families.registry import FAMILIES as MOTIONS
 
 # Not a parameter of a scenario, but a field that may be changed: searched and mapped as one.
 FPS = Numeric(
@@ -53,7 +52,7 @@ class StressFamily:
     def searched(self) -> tuple[str, ...]:
         """Names of the parameters that vary: the family's own, then the standard ones."""
         scenario = self.scenario
-        own = MOTIONS[scenario.motion.kind].parameters
+        own = scenario.motion_family.parameters
         given = (name for name in scenario.parameters if name in own)
         files = {n for n, parameter in scenario.parameters.items() if isinstance(parameter, File)}
         return tuple(name for name in (*given, *self.standard) if name not in files)

@@ -12,7 +12,8 @@ from sim.anatomy import Anatomy
 from sim.contact.arm_shape import digits_of, palm_bars
 from sim.contact.capsules import Capsules
 from sim.person.geoms import HAND_TARGETS
-from sim.person.head import beard_points, outline_points
+from sim.person.hair import outline_points
+from sim.person.head import beard_points
 from sim.person.kinematics import OUTWARD
 from sim.person.sleeves import ELBOW_M, SHORT_SLEEVE, WRIST_M
 from sim.person.torso import COLLAR_TOP_M, torso_surface

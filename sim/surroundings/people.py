@@ -8,8 +8,10 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
+from sim.person.face import face_texture
+from sim.person.hair import hair_surface, hair_texture
 from sim.person.hand import fingers, joint_angles, palm_surface
-from sim.person.head import face_texture, hair_surface, hair_texture, head_surface
+from sim.person.head import head_surface
 from sim.person.torso import torso_surface
 from sim.specs import Appearance, ObjectSpec
 from sim.surfaces.assets import Assets
@@ -54,7 +56,8 @@ def add_bystander(assets: Assets, body: Any, name: str, spec: ObjectSpec) -> Non
         quat=turn,
         castshadow=False,
     )
-    assets.add(body, f"{name}:hair", hair_surface(anatomy), f"{name}:hair", 0, pos=head, quat=turn)
+    hair = hair_surface(anatomy, looks.hair)
+    assets.add(body, f"{name}:hair", hair, f"{name}:hair", 0, pos=head, quat=turn)
     ends = ((0.0, 0.0, neck), (0.008, 0.0, neck + 0.10 * k))
     assets.capsule(body, f"{name}:neck", ends, 0.046 * k, f"{name}:skin")
     hip = neck - 0.50 * k

@@ -19,6 +19,7 @@ from scenarios.spec.loader import (
     load_suite_file,
     parse,
 )
+from scenarios.spec.motion.kinds import KINDS
 from scenarios.spec.names import scenario_names
 from scenarios.spec.scenario import Scenario
 from scenarios.spec.schema import json_schema
@@ -91,7 +92,7 @@ def test_a_good_file_loads_and_text_with_units_becomes_numbers(tmp_path):
         ("summary: Mine.", "summary:", "4:1: summary: must be text, got nothing"),
         ("summary: Mine.", "summary: 2026-01-01", "ok"),
         ("name: mine", "name: My Name", "1:1: name: must be lower-case letters, digits and _, beginning with a letter, got 'My Name'"),
-        ("{kind: drink}", "{kind: drnik}", f"6:10: motion.kind: must be one of {', '.join(FAMILIES)}, got 'drnik'; did you mean drink?"),
+        ("{kind: drink}", "{kind: drnik}", f"6:10: motion.kind: must be one of {', '.join(KINDS)}, got 'drnik'; did you mean drink?"),
         ("{kind: drink}", "drink", "6:1: motion: must be a mapping, got 'drink'"),
         ("unit: m/s,", "unit: mph,", "9:11: parameters.speed.unit: must be one of m, cm, mm, m/s, cm/s, mm/s, km/h, s, ms, rad, deg, px, grey, Hz, K, EV, 1, %, got 'mph'"),
         ("[0.4, 0.8]", "[0.8, 0.4]", "9:22: parameters.speed.range: range is reversed: 0.8 is greater than 0.4"),
