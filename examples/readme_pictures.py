@@ -154,7 +154,7 @@ def gate(work: Path) -> None:
         view.wait_for_timeout(1500)  # the film's first picture
         foot = view.locator(".tiles").first.bounding_box()
         assert foot is not None
-        clip = {"x": 0, "y": 0, "width": 1240, "height": foot["y"] + foot["height"] + 16}
+        clip = {"x": 0, "y": 0, "width": 1240, "height": foot["y"] + foot["height"] + 8}
         _write("gate.webp", _decoded(view.screenshot(clip=clip)), 84)
 
 
