@@ -51,7 +51,7 @@ class Surroundings:
     depth_m behind the mid-shoulder point and half_width_m beside it. Words are those of
     `sim.surroundings.words`; pictures, plants, clutter, floor_clutter are numbers of things.
     light_elevation_rad: of the key light above the horizon; light_softness 0-1: of its shadows'
-    edges; light_contrast 0-1: from even light to light of one side.
+    edges; light_contrast 0-1: from even light to light of one side; shadow_lights: 1 or 2.
     """
 
     arrangement: int
@@ -77,6 +77,7 @@ class Surroundings:
     light_softness: float
     light_contrast: float
     lamp: str
+    shadow_lights: int = 1
 
 
 @dataclass(frozen=True)

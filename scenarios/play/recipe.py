@@ -277,7 +277,8 @@ def _scenario(record: Mapping[str, Any], clips: Mapping[str, FileText], path: Pa
         )
     except ValidationError as fault:
         first = fault.errors()[0]
-        at = ".".join(str(part) for part in first["loc"])
+        # Names with a space are no fields, but tell which kind of motion or parameter it is.
+        at = ".".join(str(part) for part in first["loc"] if " " not in str(part))
         raise BenchError(f"{path}: scenario.{at}: {first['msg']}") from None
     if digest(scenario) != wanted:
         raise BenchError(

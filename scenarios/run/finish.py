@@ -21,6 +21,7 @@ from scenarios.console.lines import print_line
 from scenarios.console.progress import progress
 from scenarios.console.tables import print_table
 from scenarios.execute.episodes import PlayResults
+from scenarios.play.footage import is_plugged_motion
 from scenarios.run.corpus_verdict import (
     CaseOutcome,
     outcomes_of,
@@ -101,7 +102,8 @@ def _print_results(
         print_line(f"the renderer differs among the workers, and so do pixels: {listed}", out)
     cached = request.plan.use_cache and request.plan.dataset is None and cached_here
     settings = cache_settings() if cached else None
-    if origin := origin_line(played.rows, settings):
+    plugged = sum(is_plugged_motion(job) for job in run.jobs)
+    if origin := origin_line(played.rows, settings, plugged):
         print_line(origin, out)
     for line in verdict_lines(corpus):
         print_line(line, out)

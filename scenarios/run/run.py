@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from pjpdaf.errors import BenchError
+from pjpdaf.plugins.loading import allow_plug_ins_from_here
 from pjpdaf.presets.registry import find_preset
 from reports.run.rows import EpisodeRows
 from reports.summary.text import count
@@ -15,7 +16,7 @@ from scenarios.console.interrupts import Interrupts, interrupts
 from scenarios.console.progress import progress
 from scenarios.execute.episodes import PlayResults, play_all
 from scenarios.execute.executor import ClusterFault, Executor
-from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
+from scenarios.execute.isolated import try_plug_ins
 from scenarios.execute.place import Place, executor_at, place_of
 from scenarios.execute.software import PlugIns
 from scenarios.play.from_dataset import open_with_sequences, renderer_of

@@ -100,6 +100,8 @@ def appearance_of(values: Values) -> Appearance:
         glasses=values["glasses"] == "yes",
         hair=str(values["hair"]),
         shirt_pattern=str(values["shirt_pattern"]),
+        # A parameter of varied surroundings alone.
+        expression=str(values.get("expression", "neutral")),
     )
 
 

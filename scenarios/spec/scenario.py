@@ -14,6 +14,7 @@ from pydantic import BaseModel, Field, model_validator
 
 from scenarios.spec.motion.checks import script_faults
 from scenarios.spec.motion.kinds import AnyMotion
+from scenarios.spec.motion.plugged import PluggedMotion
 from scenarios.spec.motion.script import ScriptMotion
 from scenarios.spec.parameters.choice import Choice
 from scenarios.spec.parameters.file import File
@@ -75,6 +76,8 @@ class Scenario(Record):
         """The standard parameters are added; a family's own must be there, and no others."""
         if isinstance(self.motion, ScriptMotion):
             self._refuse_faulty_script(self.motion)
+        if isinstance(self.motion, PluggedMotion):
+            self._take_declared(self.motion)
         own = self.motion_family.parameters
         standard = standard_parameters(self.surroundings)
         if self.rooms and self.surroundings != VARIED:
@@ -119,6 +122,17 @@ class Scenario(Record):
         known = {**standard_parameters(self.surroundings), **self.parameters}
         for fault in script_faults(motion, known, self._own_names):
             raise fault_at(fault.message, fault.path)
+
+    def _take_declared(self, motion: PluggedMotion) -> None:
+        """Take the parameters that a plug-in declares where the file gives no others."""
+        declared = motion.declared()
+        for name in declared:
+            if name in standard_parameters(self.surroundings):
+                raise fault_at(
+                    f"{motion.kind} declares {name}, the name of a standard parameter",
+                    "motion.kind",
+                )
+        object.__setattr__(self, "parameters", declared | self.parameters)
 
     @property
     def motion_family(self) -> Family:

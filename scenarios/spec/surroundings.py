@@ -15,6 +15,8 @@ from scenarios.spec.parameters.numeric import Numeric
 from scenarios.spec.parameters.parameter import choice, uniform
 from scenarios.spec.standard import STANDARD
 from sim.motion.stage import Values, number
+from sim.person.face import EXPRESSIONS
+from sim.person.hair import HAIR
 from sim.specs import Surroundings
 from sim.surfaces import textures
 from sim.surroundings import words
@@ -31,11 +33,11 @@ def _whole(name: str, low: float | None = None, high: float | None = None) -> Nu
     return usual.model_copy(update={"nominal": nominal})
 
 
-def _even(name: str, fewer: tuple[str, ...] = ()) -> Choice:
-    """The standard choice with its options equally likely, but `fewer` of these: a third."""
+def _even(name: str) -> Choice:
+    """The standard choice with its options equally likely."""
     usual = STANDARD[name]
     assert isinstance(usual, Choice)
-    weights = tuple(1.0 if option in fewer else 3.0 for option in usual.choices)
+    weights = (1.0,) * len(usual.choices)
     return usual.model_copy(update={"weights": weights})
 
 
@@ -54,7 +56,10 @@ _WIDER: Mapping[str, Numeric | Choice] = {
         )
     },
     "baseline": _whole("baseline", 0.06, 0.12),
-    "hair": _even("hair", fewer=("bald",)),
+    "hair": choice({cut: 1.0 if cut == "bald" else 3.0 for cut in HAIR}, "cut of the hair"),
+    "expression": choice(
+        {word: 2.0 if word == "neutral" else 1.0 for word in EXPRESSIONS}, "expression of the face"
+    ),
     "beard": choice({"no": 0.7, "yes": 0.3}, "whether the person has a beard"),
     "glasses": choice({"no": 0.7, "yes": 0.3}, "whether the person wears glasses"),
     "sleeves": _even("sleeves"),
@@ -104,6 +109,7 @@ _ROOM: Mapping[str, Numeric | Choice] = {
     "light_softness": uniform("1", (0.0, 1.0), 0.0, 1.0, "softness of shadows' edges"),
     "light_contrast": uniform("1", (0.0, 1.0), 0.0, 1.0, "from even light to light of one side"),
     "lamp": _one_of(words.LAMPS, "a lamp that is lit besides"),
+    "shadow_lights": choice({"one": 1.0, "two": 0.0}, "lights with shadows: key light, and lamp"),
 }
 
 PARAMETERS: Mapping[str, Numeric | Choice] = {**_WIDER, **_ROOM}
@@ -163,4 +169,5 @@ def surroundings_of(values: Values) -> Surroundings | None:
         light_softness=number(values, "light_softness"),
         light_contrast=number(values, "light_contrast"),
         lamp=word("lamp"),
+        shadow_lights={"one": 1, "two": 2}[word("shadow_lights")],
     )

@@ -101,7 +101,10 @@ def _compared(campaign: Campaign, space: Space, request: CompareRequest) -> list
     campaign.progress.start(f"{name}: common draws", 2 * request.runs)
     latents = normal_draws(seed, f"{name}/compare", request.runs, len(space.axes))
     seeds = noise_seeds(seed, f"{name}/compare", request.runs).tolist()
-    cases = [Case(name, space.values_of_latent(z), s) for z, s in zip(latents, seeds, strict=True)]
+    target = space.family.target
+    cases = [
+        Case(target, space.values_of_latent(z), s) for z, s in zip(latents, seeds, strict=True)
+    ]
     ones, others = (_run(campaign, space, cases, system) for system in (a, b))
     pairs = [
         (one, other)

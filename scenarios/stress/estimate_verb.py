@@ -163,9 +163,9 @@ def outcomes_of(results: Sequence[TrialResult], goal: Goal) -> Outcomes:
 
 
 def _cases(space: Space, latents: Floats, seeds: NDArray[np.int64]) -> list[Case]:
-    name = space.family.name
+    target = space.family.target
     return [
-        Case(name, space.values_of_latent(z), int(s)) for z, s in zip(latents, seeds, strict=True)
+        Case(target, space.values_of_latent(z), int(s)) for z, s in zip(latents, seeds, strict=True)
     ]
 
 

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from pjpdaf.errors import BenchError
-from scenarios.spec.names import load_scenario, scenario_names
+from scenarios.spec.names import is_path, load_scenario, scenario_names
+from scenarios.spec.own_motion import is_own_motion
 from scenarios.spec.parameters.choice import Choice
 from scenarios.spec.parameters.distributions import Fixed
 from scenarios.spec.parameters.file import File
@@ -49,6 +50,11 @@ class StressFamily:
         return load_scenario(self.scenario_name)
 
     @property
+    def target(self) -> str:
+        """What `find_family` finds it by: its name, or the file or plug-in of its scenario."""
+        return self.scenario_name if is_own(self.scenario_name) else self.name
+
+    @property
     def searched(self) -> tuple[str, ...]:
         """Names of the parameters that vary: the family's own, then the standard ones."""
         scenario = self.scenario
@@ -70,6 +76,11 @@ class StressFamily:
 
 def _motion(name: str) -> StressFamily:
     return StressFamily(name, name)
+
+
+def is_own(name: str) -> bool:
+    """Whether a name is that of a scenario file, or of a plug-in's motion."""
+    return is_path(name) or is_own_motion(name)
 
 
 # The shipped clip lasts 12.4 s.
@@ -99,12 +110,14 @@ FAMILIES: Mapping[str, StressFamily] = {
 def find_family(name: str) -> StressFamily:
     """A family by name; any other shipped scenario is one too, with its own parameters.
 
-    Raises BenchError with the closest name.
+    So is a scenario file, and a plug-in's motion. Raises BenchError with the closest name.
     """
     if name in FAMILIES:
         return FAMILIES[name]
     if name in scenario_names():
         return _motion(name)
+    if is_own(name):
+        return StressFamily(load_scenario(name).name, name)
     known = tuple(dict.fromkeys((*FAMILIES, *scenario_names())))
     hint = suggestion(name, known, "pjpdaf-bench scenarios list")
     raise BenchError(f"no family {name[:60]!r} to stress{hint}")

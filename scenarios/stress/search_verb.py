@@ -22,6 +22,7 @@ from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
 from scenarios.stress.case import Case, Fidelity
 from scenarios.stress.case_file import case_of, corpus_case, write_case
 from scenarios.stress.confirm import MOST_RUNS, Counterexample, choose, confirm
+from scenarios.stress.families import find_family
 from scenarios.stress.recording import record_episodes
 from scenarios.stress.search.evaluation import Evaluation, Evaluator
 from scenarios.stress.search.page_record import search_record, shown_failures, shown_measure
@@ -142,7 +143,7 @@ def known_cases(space: Space) -> tuple[Case, ...]:
     cases = []
     for path in corpus_files():
         record = load_corpus_case(path)
-        if record.family == space.family.name:
+        if record.family == space.family.target:
             values = space.values_of_unit(
                 space.unit_of_values({**space.nominal(), **case_of(record).values})
             )
@@ -195,7 +196,7 @@ def _with_files(campaign: Campaign, result: FamilyFound) -> FamilyFound:
     folder = campaign.folder / "cases"
     folder.mkdir(exist_ok=True)
     for number, one in enumerate(result.found, start=1):
-        name = f"{one.case.family}_{one.measure}_{number}"
+        name = f"{find_family(one.case.family).name}_{one.measure}_{number}"
         robustness = one.result.robustness
         if robustness is None or (one.full is not None and not one.confirmed):
             files.append(None)

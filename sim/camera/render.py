@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pjpdaf.arrays import Image
+from pjpdaf.arrays import Floats, Image
 from pjpdaf.camera import Camera
 from pjpdaf.targets import TARGETS
 from sim.camera.boxes import GeomBoxes
@@ -165,7 +165,7 @@ class StereoRenderer(AbstractContextManager["StereoRenderer"]):
         world, canvas = self.world, self._canvas
         groups = (*self._groups(person=False), LEGS)
         views = []
-        world_to_map = None
+        world_to_maps: tuple[Floats, ...] = ()
         for index, name in enumerate(CAMERAS):
             output = _Output(world.rig.cameras[index], world.lenses[index])
             camera = output.pinhole
@@ -174,7 +174,7 @@ class StereoRenderer(AbstractContextManager["StereoRenderer"]):
             rgb, fine = canvas.colour_and_depth(output.drawn(SUPERSAMPLE))
             geoms, depth = canvas.ids(output.drawn(output.label_scale), with_depth=True)
             assert depth is not None
-            world_to_map = canvas.world_to_map()
+            world_to_maps = canvas.world_to_maps()
             views.append(
                 StillView(
                     camera=camera,
@@ -183,13 +183,13 @@ class StereoRenderer(AbstractContextManager["StereoRenderer"]):
                     geoms=geoms,
                     depth=depth,
                     depth_m=canvas.metres(depth),
-                    tiles=tiles_of(camera, canvas.metres(fine), SUPERSAMPLE, world_to_map),
+                    tiles=tiles_of(camera, canvas.metres(fine), SUPERSAMPLE, world_to_maps),
                 )
             )
         shown = self._shown(groups)
         edge_m = canvas.shadow_edge_m()
         return StillScene(
-            self._boxes, world.model, world.data, shown, world_to_map, tuple(views), edge_m
+            self._boxes, world.model, world.data, shown, world_to_maps, tuple(views), edge_m
         )
 
     def _colour(self, output: _Output, window: Window, base: StillView | None) -> Image:

@@ -24,7 +24,7 @@ def key_way(azimuth_rad: float, elevation_rad: float) -> Floats:
 
 
 def add_lights(assets: Assets, room: RoomSpec, around: Surroundings, aim_m: Floats) -> None:
-    """Add the key light, which casts the shadows, two fills without shadows, and the ambience.
+    """Add the key light, which casts shadows, a fill, a lamp that may cast them too, and ambience.
 
     As in the nominal room all light is directional or ambient, so that both views are lit alike.
     """
@@ -38,12 +38,15 @@ def add_lights(assets: Assets, room: RoomSpec, around: Surroundings, aim_m: Floa
     )
     if rng.random() < 0.5:
         lamp = lamp * np.array([1.0, -1.0, 1.0])
+    two = around.shadow_lights == 2
+    if two and around.lamp == "none":  # from above on the other side
+        lamp = np.array([-0.5, -np.sign(key[1]) * 0.6, -0.7])
     tint = _WARM if around.lamp != "none" else _COOL
     level = np.array(room.light_rgb) * room.light_gain
     for name, way, strength, colour, shadow in (
         ("key", key, 0.48 + 0.26 * contrast, np.ones(3), True),
         ("fill", aside, 0.28 - 0.14 * contrast, np.ones(3), False),
-        ("lamp", lamp, 0.16, tint, False),
+        ("lamp", lamp, 0.28 if two else 0.16, tint, two),
     ):
         direction = way / np.linalg.norm(way)
         light = (strength * level * colour).tolist()

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import Discriminator, Field, Tag, field_validator
 
+from scenarios.spec.motion.plugged import PluggedMotion, is_plugged
 from scenarios.spec.motion.script import ScriptMotion
 from scenarios.spec.parameters.record import Name, Record, fault_at
 from scenarios.spec.suggestion import did_you_mean
@@ -37,10 +38,15 @@ class Motion(Record):
 
 def _tag_of(data: Any) -> str:
     kind = data.get("kind") if isinstance(data, Mapping) else getattr(data, "kind", None)
-    return "a script" if kind == SCRIPT else "of ours"  # no field names: faults carry the tag
+    # No possible names of fields: places of faults carry the tag.
+    if kind == SCRIPT:
+        return "a script"
+    return "of a plug-in" if kind not in KINDS and is_plugged(kind) else "of ours"
 
 
 AnyMotion = Annotated[
-    Annotated[Motion, Tag("of ours")] | Annotated[ScriptMotion, Tag("a script")],
+    Annotated[Motion, Tag("of ours")]
+    | Annotated[ScriptMotion, Tag("a script")]
+    | Annotated[PluggedMotion, Tag("of a plug-in")],
     Discriminator(_tag_of),
 ]

@@ -4,6 +4,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from plain_surroundings import PLAIN
 
 from sim.camera.render import StereoRenderer
 from sim.dataset.labels.instances import FIRST_OBJECT, ROOM, TABLE, instances_of
@@ -15,31 +16,6 @@ from sim.surroundings import words
 from sim.surroundings.clutter import bystander_of
 
 RIG = RigSpec(focal_px=240.0, width_px=320, height_px=240, tilt_rad=0.2, distance_m=1.5)
-PLAIN = Surroundings(
-    arrangement=1,
-    depth_m=1.6,
-    half_width_m=2.0,
-    wall="paint",
-    floor="planks",
-    floor_rgb=(0.5, 0.4, 0.3),
-    door="none",
-    window="none",
-    shelves="none",
-    pictures=0,
-    poster=False,
-    plants=0,
-    screen="none",
-    chair="slats",
-    table_shape="straight",
-    table_legs="four",
-    clutter=0,
-    floor_clutter=0,
-    bystander="none",
-    light_elevation_rad=0.7,
-    light_softness=0.8,
-    light_contrast=0.5,
-    lamp="none",
-)
 CHOICES = {
     "wall": words.WALLS,
     "floor": words.FLOORS,
@@ -134,6 +110,32 @@ def test_soft_shadows_are_the_same_whether_all_or_a_part_is_drawn():
         other = _colours(renderer, raised)
     softened = np.abs(whole.astype(int) - other).max(axis=-1) > 8
     assert 0.001 < softened.mean() < 0.1, "the edges of shadows, and only these"
+
+
+def test_a_second_light_casts_shadows_of_its_own():
+    """Both lights' shadows lie on the table, each where the other's light still reaches."""
+    two = scene_with(replace(PLAIN, shadow_lights=2, light_softness=0.0, light_contrast=0.0))
+    pose = rest_pose(two.anatomy, two.room)
+    raised = rest_pose(two.anatomy, two.room, ((0.35, -0.3, 1.1), (0.45, 0.1, 0.85)))
+    world = build(two)
+    casting = np.flatnonzero(world.model.light_castshadow)
+    assert len(casting) == 2
+    with StereoRenderer(world) as plain, StereoRenderer(world, pose) as still:
+        both, part = (_colours(renderer, raised) for renderer in (plain, still))
+    assert (np.abs(both.astype(int) - part).max(axis=-1) > 2).mean() < 2e-4
+    shadows = []
+    for light in casting:
+        world.model.light_castshadow[casting] = 1
+        world.model.light_castshadow[light] = 0
+        with StereoRenderer(world) as renderer:
+            shadows.append(
+                _colours(renderer, raised).astype(int).sum(axis=-1) - both.sum(axis=-1) > 12
+            )
+    first, second = shadows
+    assert first.mean() > 0.004
+    assert second.mean() > 0.004
+    assert (first & ~second).mean() > 0.002
+    assert (second & ~first).mean() > 0.002
 
 
 def _colours(renderer, pose):
