@@ -26,7 +26,12 @@ from scenarios.play.fast import play_fast
 from scenarios.play.footage import open_footage
 from scenarios.play.job import System
 from scenarios.play.settings import read_settings
-from scenarios.spec.corpus_case import corpus_folder, is_corpus_file
+from scenarios.spec.corpus_case import (
+    CorpusCase,
+    corpus_folder,
+    is_corpus_file,
+    load_corpus_case,
+)
 from scenarios.spec.motion.plugged import trust
 from scenarios.stress.case import Case, Fidelity, Trial, TrialResult
 from scenarios.stress.case_file import case_of, corpus_case, load_case, system_of, write_case
@@ -127,6 +132,12 @@ def promote(path: Path, name: str | None, folder: Path | None, status: str) -> P
     """
     record = load_case(path)
     case, system = case_of(record), system_of(record)
+    if is_own(record.family):
+        raise BenchError(
+            f"{path}: is of {record.family}; the corpus keeps cases of shipped scenarios"
+        )
+    folder = folder or corpus_folder()
+    _check_new(record, path, folder, name or record.name)
     replayed = replay(ReplayRequest(str(path)))
     assert replayed.result.robustness is not None
     measures = replayed.result.robustness.measures
@@ -137,15 +148,6 @@ def promote(path: Path, name: str | None, folder: Path | None, status: str) -> P
             f"{path}: {MEASURE_WORDS[record.event]} {outcome} with {record.tracker} when rendered "
             f"(rho {measures[record.event]:+.2f}): not put into the corpus as {status}"
         )
-    if is_own(record.family):
-        raise BenchError(
-            f"{path}: is of {record.family}; the corpus keeps cases of shipped scenarios"
-        )
-    folder = folder or corpus_folder()
-    for other in sorted(folder.glob("*.yaml")):
-        kept = load_case(other)
-        if (kept.digest, kept.tracker) == (record.digest, record.tracker) and other != path:
-            raise BenchError(f"{path}: is in the corpus already: {other}")
     new = corpus_case(
         name or record.name, case, system, record.event, measures[record.event], status, record.note
     )
@@ -153,6 +155,16 @@ def promote(path: Path, name: str | None, folder: Path | None, status: str) -> P
     folder.mkdir(parents=True, exist_ok=True)
     write_case(target, new)
     return target
+
+
+def _check_new(record: CorpusCase, path: Path, folder: Path, name: str) -> None:
+    """Raise BenchError where a corpus has the name, or the same scenario for the same tracker."""
+    for other in sorted(folder.glob("*.yaml")):
+        kept = load_corpus_case(other)
+        if (kept.digest, kept.tracker) == (record.digest, record.tracker) and other != path:
+            raise BenchError(f"{path}: is in the corpus already: {other}")
+        if other.stem == name and other != path:
+            raise BenchError(f"{other}: exists and is another case; give a --name")
 
 
 def case_from_settings(family_name: str, settings: Mapping[str, Value], seed: int) -> Case:

@@ -31,6 +31,9 @@ def test_tracking_that_never_begins(record_of):
     record = record_of([WAITING] * 4)
     assert record.first_frame is None
     assert record.verdict().startswith("Tracking never began")
+    assert "--skin-sample" in record.verdict()
+    record.enough_detected = 3
+    assert "left and right view may be exchanged" in record.verdict()
     assert all(np.isnan(summary.sd_mm).all() for summary in record.summaries())
 
 

@@ -17,7 +17,7 @@ from scenarios.stress.case_file import (
     write_case,
 )
 from scenarios.stress.families import FAMILIES, find_family
-from scenarios.stress.replay import case_from_settings
+from scenarios.stress.replay import case_from_settings, promote
 from scenarios.stress.space import Space
 
 SYSTEM = System("default", "thesis", {}, {"gate": "4"})
@@ -97,3 +97,19 @@ def test_a_case_of_values_is_nominal_but_for_them():
     assert case.values == {**nominal, "speed": 0.5, "frames": 20.0}
     with pytest.raises(BenchError, match="did you mean speed"):
         case_from_settings("cross", {"speeed": 1}, 0)
+
+
+def test_what_the_corpus_has_is_refused_before_it_is_played(tmp_path, monkeypatch):
+    def played(request):
+        raise AssertionError("rendering takes a minute")
+
+    monkeypatch.setattr("scenarios.stress.replay.replay", played)
+    corpus = tmp_path / "corpus"
+    corpus.mkdir()
+    write_case(corpus / "a_case.yaml", record_of())
+    write_case(tmp_path / "same.yaml", record_of())
+    with pytest.raises(BenchError, match=r"same.yaml: is in the corpus already: .*a_case.yaml"):
+        promote(tmp_path / "same.yaml", "new", corpus, "open")
+    write_case(tmp_path / "other.yaml", record_of(seed=12))
+    with pytest.raises(BenchError, match=r"a_case.yaml: exists and is another case; give a --name"):
+        promote(tmp_path / "other.yaml", None, corpus, "open")

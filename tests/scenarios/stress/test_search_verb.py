@@ -65,7 +65,7 @@ def test_what_does_not_fail_is_promoted_as_fixed_only(tmp_path, monkeypatch):
     system = System("thesis", "thesis")
     write_case(Path("c.yaml"), corpus_case("c", case, system, "lost_left", -0.5, "open"))
     refused = in_this_process("stress", "promote", "c.yaml", "--corpus", "mine")
-    assert_one_line(refused, 2, "left lost does not fail with thesis when rendered")
+    assert_one_line(refused, 2, "left hand lost does not fail with thesis when rendered")
     done = in_this_process("stress", "promote", "c.yaml", "--corpus", "mine", "--fixed")
     assert done.returncode == 0, done.stderr
     assert load_case(Path("mine/c.yaml")).status == "fixed"
