@@ -137,7 +137,9 @@ def _state_expected(
     exported = f" ({decimal(expected.exports)} of it exports)" if expected.exports else ""
     print(
         f"expected: about {decimal(expected.size)}{exported} in {duration(expected.seconds)}"
-        f"{'' if place.workers else ' of one worker'}; the disk has {decimal(free)} left",
+        f"{'' if place.workers else ' of one worker'}; the disk has {decimal(free)} left\n"
+        f"a stereo frame: about {decimal(round(expected.pictures))} of pictures, "
+        f"{decimal(round(expected.labels))} of labels, {expected.cpu_s:.2f} s of a core",
         flush=True,
     )
 
