@@ -154,10 +154,10 @@ class TrackRecord:
         shares = ", ".join(
             f"{LABELS[s.target]} {_percent(s.shares['tracked'])}" for s in self.summaries()
         )
-        since = f"tracking began in frame {self.first_frame} ({self.first_s:.1f} s)"
+        since = f"since tracking began in frame {self.first_frame} ({self.first_s:.1f} s)"
         if not self.first_frame:
-            since = "the first"
-        return f"Found in the frames since {since}: {shares}. {self._doubt_words()}"
+            since = "from the first frame on"
+        return f"Found {since}: {shares}. {self._doubt_words()}"
 
     def _doubt_words(self) -> str:
         doubt = self.doubt
@@ -165,7 +165,7 @@ class TrackRecord:
             return "The tracker does not say how sure it is of right and left."
         return (
             f"The tracker doubts which hand is which ({_percent(DOUBTFUL)} or more that they are "
-            f"exchanged) in {_percent(doubt.doubtful)} of them."
+            f"exchanged) in {_percent(doubt.doubtful)} of the frames."
         )
 
     def _sample(self, frame: StereoFrame, estimates: Estimates) -> None:

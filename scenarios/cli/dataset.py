@@ -40,7 +40,8 @@ def make(
         str,
         typer.Option(
             metavar="A,B",
-            help="Of clean, depth, seg, amodal, disparity, correspondence, float; all, none.",
+            help="Of clean, depth, seg, amodal, disparity, correspondence, semantic, normals, "
+            "flow, float; or training (depth, seg, disparity, semantic), all, none.",
         ),
     ] = "depth,seg,amodal,disparity",
     export: ExportFormats = None,
