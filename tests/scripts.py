@@ -14,7 +14,7 @@ frames: {frames}
 motion:
   kind: script
   objects:
-    can: {{kind: can, at: [0.4, 0.1]}}
+    can: {{kind: can, at: [0.4, 0.0]}}
     screen: {{kind: box, at: [0.52, 0.12], size: [0.05, 0.18, 0.2]}}
   steps:
 """

@@ -18,6 +18,7 @@ from sim.dataset.files.layout import (
     OBJECTS,
     RECIPE,
     RIG,
+    SKELETON,
     TRUTH,
 )
 from sim.dataset.reader import Dataset
@@ -44,6 +45,9 @@ _KINDS = {
     "amodal": "8 bit: the whole of each target, hidden parts too; bit 0 head, 1 right, 2 left hand",
     "disparity": "16 bit: disparity of the rectified pair x 256, 0 = none; `occlusion_*`: status",
     "correspondence": "16 bit, three channels: where a pixel's surface lies in the other view",
+    "semantic": "8 bit: class of the surface (face, hair, wall, ...), as in `conventions.json`",
+    "normals": "8 bit, three channels: surface normal in the camera's frame, 128 + 127 n",
+    "flow": "16 bit, three channels: where a pixel's surface is in the next frame, the last",
     "float": "NPZ: the same numbers as float32, not rounded",
 }
 
@@ -61,6 +65,7 @@ def front_matter(statistics: Statistics) -> str:
     configs: list[dict[str, object]] = [
         {"config_name": "truth", "data_files": f"seq_*/{TRUTH}", "default": True}
     ]
+    configs.append({"config_name": "skeletons", "data_files": f"seq_*/{SKELETON}"})
     if statistics.object_rows:  # `datasets` loads no table without a row
         configs.append({"config_name": "objects", "data_files": f"seq_*/{OBJECTS}"})
     record = {
@@ -163,6 +168,7 @@ def file_table(dataset: Dataset) -> str:
     lines += [
         (f"`{TRUTH}`", "a row a frame and target"),
         (f"`{OBJECTS}`", "a row a frame and object"),
+        (f"`{SKELETON}`", "a row a frame and skeleton: 21 joints a hand, the upper body"),
         (f"`{EVENTS}`", "merges, splits, occlusions, contacts as intervals of frames"),
         (f"`{RIG}`", "cameras to the last bit, frame rate, names of the instance ids"),
         (f"`{CALIBRATION}/`", "intrinsics.yml, extrinsics.yml as OpenCV reads them"),

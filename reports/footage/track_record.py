@@ -18,6 +18,12 @@ from reports.words import LABELS
 
 MAX_SAMPLES = 2000  # of the curves; longer footage is thinned, so that memory and page stay small
 MAX_NAMED = 20  # missing pictures that the page names
+# Where tracking never began, by whether most frames had detections enough in both views.
+_REMEDY = {
+    True: "if these are head and hands, left and right view may be exchanged, or the calibration "
+    "be of other cameras, of another size or --unit",
+    False: "a sample of the skin (--skin-sample) or a better background may help",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,20 +144,20 @@ class TrackRecord:
     def verdict(self) -> str:
         """The outcome in one or two sentences."""
         if self.first_frame is None:
+            often = 2 * self.enough_detected > self.frames
             return (
                 "Tracking never began: it waits for a frame in which head and both hands are found "
                 "in both views. "
                 f"{count(self.enough_detected, 'frame')} of {self.frames} had three or more "
-                "detections in both. The pictures show what was detected; a sample of the "
-                "skin (--skin-sample) or a better background may help."
+                f"detections in both. The pictures show what was detected; {_REMEDY[often]}."
             )
         shares = ", ".join(
             f"{LABELS[s.target]} {_percent(s.shares['tracked'])}" for s in self.summaries()
         )
-        since = f"tracking began in frame {self.first_frame} ({self.first_s:.1f} s)"
+        since = f"since tracking began in frame {self.first_frame} ({self.first_s:.1f} s)"
         if not self.first_frame:
-            since = "the first"
-        return f"Found in the frames since {since}: {shares}. {self._doubt_words()}"
+            since = "from the first frame on"
+        return f"Found {since}: {shares}. {self._doubt_words()}"
 
     def _doubt_words(self) -> str:
         doubt = self.doubt
@@ -159,7 +165,7 @@ class TrackRecord:
             return "The tracker does not say how sure it is of right and left."
         return (
             f"The tracker doubts which hand is which ({_percent(DOUBTFUL)} or more that they are "
-            f"exchanged) in {_percent(doubt.doubtful)} of them."
+            f"exchanged) in {_percent(doubt.doubtful)} of the frames."
         )
 
     def _sample(self, frame: StereoFrame, estimates: Estimates) -> None:

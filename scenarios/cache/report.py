@@ -30,9 +30,9 @@ def origin_line(
     if settings is None or not drawn:
         return ""
     if plugged:
-        anew = f"{count(plugged, 'episode')} of plug-ins' motions are rendered anew each time"
-        others = f", {replayed} of the others from the cache" if replayed else ""
-        return f"footage: {anew}{others} (the cache cannot know all of their code)"
+        anew = f"{count(plugged, 'episode')} with a plug-in's motion rendered anew, not kept"
+        others = f"; {replayed} of the others from the cache" if replayed else ""
+        return f"footage: {anew} (the cache cannot know all of its code){others}"
     if replayed == len(drawn):
         return "footage: all from the cache, nothing rendered (--no-cache renders anew)"
     share = f"{replayed} of {len(drawn)} from the cache, the rest" if replayed else "rendered and"

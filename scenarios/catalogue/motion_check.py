@@ -11,6 +11,7 @@ import numpy as np
 from pjpdaf.plugins.probe import CheckEnds, Probe
 from scenarios.play.recipe import sized
 from scenarios.spec.draw import perform, unjudged
+from scenarios.spec.motion.plugged import trust
 from scenarios.spec.own_motion import scenario_of_motion
 from scenarios.spec.parameters.choice import Choice
 from scenarios.spec.parameters.numeric import Numeric
@@ -35,8 +36,10 @@ _PICTURE_PX = (160, 120)
 def check_motion(name: str, limit_s: float) -> tuple[str, ...]:
     """Check a kind of motion by name; returns all faults, none where it conforms.
 
-    limit_s: time that a call may take [s]. Raises NoSuchPlugIn for a name that is not there.
+    name: as the user gives it, who trusts it so; limit_s: time that a call may take [s]. Raises
+    NoSuchPlugIn for a name that is not there.
     """
+    trust(name)
     return Probe(limit_s).run(partial(_check, name))
 
 

@@ -61,16 +61,18 @@ def write_sheet(request: SheetRequest) -> str:
     )
     order = sorted(range(len(jobs)), key=lambda i: (jobs[i].seed, i))
     chosen = list(islice(order, request.pictures))
-    with unwritten_if_interrupted(request.out), progress() as meter:
+    with (
+        unwritten_if_interrupted(request.out),
+        written_whole_file(request.out, "the sheet") as part,  # a file that is there is left alone
+        progress() as meter,
+    ):
         meter.begin("drawing", len(chosen))
-        drawn = [
-            picture for i in counted(chosen) if (picture := middle_picture(jobs[i])) is not None
-        ]
+        every = (middle_picture(jobs[i]) for i in counted(chosen))
+        drawn = [picture for picture in every if picture is not None]
         if not drawn:
             raise BenchError("none of these episodes can be posed: use other seeds")
-        data = _ENCODERS[suffix](contact_sheet(drawn, COLUMNS))
-        with written_whole_file(request.out, "the sheet") as part, disk_faults(part, "the sheet"):
-            part.write_bytes(data)
+        with disk_faults(part, "the sheet"):
+            part.write_bytes(_ENCODERS[suffix](contact_sheet(drawn, COLUMNS)))
     return f"sheet: {request.out} ({count(len(drawn), 'episode')})"
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Protocol
@@ -112,6 +112,11 @@ def footage_cache(job: Job) -> FootageCache | None:
 def is_plugged_motion(job: Job) -> bool:
     """Whether a plug-in plays the motion of a job that is rendered."""
     return job.kept is None and isinstance(job.scenario.motion, PluggedMotion)
+
+
+def plugged_motions(jobs: Iterable[Job]) -> set[str]:
+    """Names of the plug-ins that play the motions of jobs."""
+    return {job.scenario.motion.kind for job in jobs if is_plugged_motion(job)}
 
 
 def key_of(job: Job) -> FootageKey:

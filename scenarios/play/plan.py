@@ -16,6 +16,7 @@ from scenarios.play.settings import Settings, read_settings
 from scenarios.play.targets import PlannedScenario, expand_target, in_rooms
 from scenarios.spec.cameras import rig_of
 from scenarios.spec.draw import SETTINGS, concrete, in_si, perform, setting_of
+from scenarios.spec.motion.script import ScriptMotion
 from scenarios.spec.parameters.file import File
 from scenarios.spec.suggestion import suggestion
 from scenarios.spec.surroundings import NOMINAL
@@ -161,7 +162,8 @@ def _selected(scenarios: list[PlannedScenario], only: Sequence[str]) -> list[Pla
 def check_job(job: Job) -> None:
     """Raise BenchError where scenario, values, detector or tracker of a job do not fit together.
 
-    Whether the motion can be posed is left to the worker, except for a motion read from a file.
+    Whether the motion can be posed is left to the worker, except for a motion read from a file, and
+    for a script: raises Unposable where this seed has no draw that can be played.
     """
     values = in_si(job.scenario, concrete(job.scenario, job.seed, job.overrides))
     cameras = stereo_rig(rig_of(values)).cameras
@@ -169,6 +171,8 @@ def check_job(job: Job) -> None:
     make_lagged(job.system, cameras)
     for setting in SETTINGS:
         setting_of(job.scenario, job.overrides, setting)
+    if isinstance(job.scenario.motion, ScriptMotion):
+        perform(job.scenario, job.seed, job.overrides)
     if any(isinstance(p, File) for p in job.scenario.parameters.values()):
         with suppress(Unposable):  # of this seed alone; it becomes a failed episode
             perform(job.scenario, job.seed, job.overrides)

@@ -16,7 +16,7 @@ from scenarios.spec.names import load_scenario, scenario_names
 from scenarios.spec.parameters.file import File, FileText, file_named
 from scenarios.spec.scenario import Scenario, digest
 from scenarios.spec.suggestion import suggestion
-from sim.dataset.files.layout import DEFAULT_LABELS, LABELS
+from sim.dataset.files.layout import DEFAULT_LABELS, LABELS, TRAINING_LABELS
 from sim.motion.stage import Value
 from sim.scene.identity import identity_of
 from sim.script import Performance
@@ -184,7 +184,7 @@ def performance_from_recipe(record: Mapping[str, Any], folder: Path) -> Performa
 
 
 def parse_labels(words: str) -> tuple[str, ...]:
-    """The labels of a text such as "depth,seg", in the order of LABELS; "all", "none".
+    """The labels of a text such as "depth,seg", in the order of LABELS; "training", "all", "none".
 
     Raises BenchError for an unknown one.
     """
@@ -193,6 +193,8 @@ def parse_labels(words: str) -> tuple[str, ...]:
         return tuple(LABELS)
     if named == ["none"]:
         return ()
+    if named == ["training"]:
+        return TRAINING_LABELS
     return checked_labels(named, "--labels")
 
 
@@ -200,7 +202,7 @@ def checked_labels(named: Collection[str], where: str) -> tuple[str, ...]:
     """The labels in the order of LABELS. Raises BenchError for an unknown one."""
     for name in named:
         if name not in LABELS:
-            hint = suggestion(name, (*LABELS, "all", "none"))
+            hint = suggestion(name, (*LABELS, "training", "all", "none"))
             raise BenchError(f"{where} {name[:40]}: no such label{hint}")
     return tuple(name for name in LABELS if name in named)
 

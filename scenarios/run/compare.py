@@ -23,12 +23,12 @@ from reports.gate.text import (
     interval_text,
     number,
     outcome_text,
+    verdict_sentence,
 )
 from reports.gate.verdict import MetricVerdict, Verdict
 from reports.run.load import SavedRun, load
 from reports.run.provenance import provenance
 from reports.summary.plain_table import plain_table
-from reports.summary.text import count
 from scenarios.console.interrupts import interrupts
 from scenarios.console.lines import print_command, print_line
 from scenarios.console.progress import progress
@@ -150,14 +150,8 @@ def write_verdict(verdict: Verdict, folder: Path, argv: tuple[str, ...] = ()) ->
 
 
 def sentence(verdict: Verdict) -> str:
-    """The outcome in one line."""
-    if verdict.identical:
-        return f"pass: all {count(verdict.episodes, 'episode')} gave the same results, bit for bit"
-    words = [m.metric.name for m in verdict.metrics if m.verdict == verdict.verdict]
-    if verdict.verdict == "pass":
-        episodes = count(verdict.episodes, "episode")
-        return f"pass: no metric is worse by more than its margin ({episodes})"
-    return f"{verdict.verdict}: {', '.join(words)} ({count(verdict.episodes, 'paired episode')})"
+    """The outcome in one line, for the terminal."""
+    return verdict_sentence(verdict, verdict.verdict, lambda metric: metric.name)
 
 
 def verdict_table(verdict: Verdict) -> Table:

@@ -19,6 +19,7 @@ from scenarios.execute.executor import ClusterFault, Executor
 from scenarios.execute.isolated import try_plug_ins
 from scenarios.execute.place import Place, executor_at, place_of
 from scenarios.execute.software import PlugIns
+from scenarios.play.footage import plugged_motions
 from scenarios.play.from_dataset import open_with_sequences, renderer_of
 from scenarios.play.job import Job
 from scenarios.play.plan import plan
@@ -86,7 +87,7 @@ def play(request: RunRequest, run: UnfinishedRun, place: Place, arrived: Interru
     """Play what is not finished. Raises BenchError, ClusterFault with what is kept."""
     wanted = request.plan
     detector = wanted.detector if wanted.detections is None else None
-    plug_ins = PlugIns.named(detector, wanted.tracker)
+    plug_ins = PlugIns.named(detector, wanted.tracker).with_motions(plugged_motions(run.jobs))
     with executor_at(place, plug_ins) as executor:
         try:
             played = _play_with_progress(run, executor, request.time_limit_s, arrived)

@@ -68,13 +68,13 @@ def is_path(name: str) -> bool:
 
 def load_scenario(name: str) -> Scenario:
     """Load a scenario by name, from a YAML file, or of a plug-in's motion. Raises BenchError."""
+    if name in scenario_names():  # before all that reads disks: stress asks for each trial
+        return _shipped_scenario(name)
     if is_path(name):
         return load_scenario_file(Path(name))
     if is_own_motion(name):
         return scenario_of_motion(name)
-    if name not in scenario_names():
-        raise UnknownName("scenario", name, scenario_names())
-    return _shipped_scenario(name)
+    raise UnknownName("scenario", name, scenario_names())
 
 
 def load_suite(name: str) -> Suite:

@@ -35,6 +35,7 @@ from scenarios.spec.corpus_case import is_corpus_file
 from scenarios.spec.draw import SETTINGS
 from scenarios.spec.motion.plugged import trust
 from scenarios.spec.names import is_path
+from scenarios.spec.own_motion import is_own_motion
 from scenarios.spec.parameters.numeric import Numeric
 from scenarios.spec.parameters.units import parse_quantity
 from scenarios.stress.case import Fidelity
@@ -86,7 +87,9 @@ class CampaignRequest:
     def plug_ins(self) -> PlugIns:
         """The code that is not ours."""
         others = () if self.against is None else (self.against,)
-        return PlugIns.named(self.detector, self.tracker, *others)
+        named = PlugIns.named(self.detector, self.tracker, *others)
+        targets = self.target.split(",")
+        return named.with_motions(name for name in targets if is_own_motion(name))
 
     @property
     def other(self) -> System | None:

@@ -80,7 +80,7 @@ def _motion(name: str) -> StressFamily:
 
 def is_own(name: str) -> bool:
     """Whether a name is that of a scenario file, or of a plug-in's motion."""
-    return is_path(name) or is_own_motion(name)
+    return name not in scenario_names() and (is_path(name) or is_own_motion(name))
 
 
 # The shipped clip lasts 12.4 s.

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats, Image
 from pjpdaf.camera import Camera
+from sim.camera.normal_shader import normal_shader
 from sim.camera.shader import BoundMap, kinds_of, mark_textured, shader_of, soft_edge_m
 from sim.camera.shadow_map import ShadowMap, update_scene
 from sim.gl import context, load_mujoco
@@ -137,6 +138,15 @@ class Canvas:
             scene_id |= rgb[..., 1].astype(np.int32) << 8
             scene_id |= rgb[..., 2].astype(np.int32) << 16
         return np.take(self._geom_of(), scene_id), depth
+
+    def normals(self, size: Size) -> Image:
+        """Encoded normals (h, w, 3) of `sim.camera.normals`; of no surface, MuJoCo's background."""
+        shader = normal_shader()
+        shader.use()
+        try:
+            return self._draw(size, self._colour_flags, with_depth=False)[0]
+        finally:
+            shader.leave()
 
     def metres(self, depth: NDArray[np.float32] | Floats) -> NDArray[np.float32]:
         """Reversed depth (1 at znear, 0 at zfar) to planar z, in double precision between."""

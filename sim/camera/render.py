@@ -15,7 +15,8 @@ from pjpdaf.camera import Camera
 from pjpdaf.targets import TARGETS
 from sim.camera.boxes import GeomBoxes
 from sim.camera.canvas import Canvas, Size
-from sim.camera.rays import cast
+from sim.camera.normals import NONE, encoded, through_lens
+from sim.camera.rays import cast, cast_normals
 from sim.camera.still import StillScene, StillView, tiles_of
 from sim.camera.window import Window, around, whole
 from sim.lens import Lens
@@ -126,6 +127,29 @@ class StereoRenderer(AbstractContextManager["StereoRenderer"]):
         self._canvas.show(CAMERAS[0], groups)
         geoms, depth = self._labels(_Output(camera, None), groups, whole(camera), None)
         return depth, geoms
+
+    def normals(self, index: int, geoms: NDArray[np.int32]) -> Image:
+        """Surface normals (h, w, 3) of a view of the current pose, encoded as `sim.camera.normals`.
+
+        geoms (h, w): geom ids of the view. Where a lens leaves no drawn pixel of the geom around a
+        pixel's centre, the triangle that a ray meets gives its normal.
+        """
+        self._canvas.begin()
+        output = _Output(self.world.rig.cameras[index], self.world.lenses[index])
+        groups = self._groups(person=True)
+        self._canvas.show(CAMERAS[index], groups)
+        self._canvas.aim(output.pinhole)
+        drawn = self._canvas.normals(output.drawn(output.label_scale))
+        if output.lens is None:
+            picture = drawn[::-1].copy()
+        else:
+            ids, _ = self._ids(output, whole(output.pinhole), None)
+            picture, known = through_lens(output.lens, drawn, ids, geoms)
+            ys, xs = np.nonzero(~known)
+            met = cast_normals(self.world, output.camera, np.column_stack([xs, ys]), groups)[2]
+            picture[ys, xs] = encoded(met)
+        picture[geoms < 0] = NONE
+        return picture
 
     def amodal_beyond(self, index: int) -> NDArray[np.int64]:
         """Pixels (T,) of the targets' amodal masks, including those beyond the picture's border.

@@ -173,11 +173,7 @@ class Shader:
     def __init__(self, kinds: tuple[LightKind, ...]) -> None:
         gl = self._gl = functions()
         vertex, fragment = _sources(kinds)
-        self._program = gl.glCreateProgram()
-        for kind, source in ((gl.GL_VERTEX_SHADER, vertex), (gl.GL_FRAGMENT_SHADER, fragment)):
-            gl.glAttachShader(self._program, _compiled(kind, source))
-        gl.glLinkProgram(self._program)
-        _check(gl.glGetProgramiv, gl.glGetProgramInfoLog, self._program, gl.GL_LINK_STATUS)
+        self._program = linked(vertex, fragment)
         gl.glUseProgram(self._program)
         units = (_PICTURE_UNIT, *_SHADOW_UNITS)
         for name, unit in zip((b"picture", b"map", b"map2"), units, strict=True):
@@ -249,6 +245,20 @@ def shader_of(kinds: tuple[LightKind, ...]) -> Shader:
         known[kinds] = Shader(kinds)
     shader: Shader = known[kinds]
     return shader
+
+
+def linked(vertex: str, fragment: str) -> Any:
+    """The program of a vertex and a fragment shader, in this thread's OpenGL context.
+
+    Raises InfrastructureError where the driver refuses it.
+    """
+    gl = functions()
+    program = gl.glCreateProgram()
+    for kind, source in ((gl.GL_VERTEX_SHADER, vertex), (gl.GL_FRAGMENT_SHADER, fragment)):
+        gl.glAttachShader(program, _compiled(kind, source))
+    gl.glLinkProgram(program)
+    _check(gl.glGetProgramiv, gl.glGetProgramInfoLog, program, gl.GL_LINK_STATUS)
+    return program
 
 
 def _compiled(kind: int, source: str) -> Any:

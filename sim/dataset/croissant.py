@@ -127,7 +127,8 @@ def _folders(dataset: Dataset) -> dict[str, str]:
         for folder in LABELS.get(label, ()):
             kind, _, view = folder.rpartition("_")
             if kind != "float":  # NPZ
-                folders[folder] = f"{kind.capitalize()} of the {view} view; {CONVENTIONS} says how"
+                title = kind.replace("_", " ").capitalize()
+                folders[folder] = f"{title} of the {view} view; {CONVENTIONS} says how"
     return folders
 
 

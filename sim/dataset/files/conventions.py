@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from pjpdaf.targets import TARGETS
+from sim.camera.normal_shader import STEPS, ZERO
 from sim.dataset.files.layout import DEPTH_UNIT_M, DISPARITY_SCALE, FLOW_SCALE, FLOW_ZERO
+from sim.dataset.labels.classes import CLASS_GROUPS, CLASSES
 from sim.dataset.labels.records import (
     HIDDEN,
     KEYPOINTS,
@@ -79,6 +81,34 @@ def conventions() -> dict[str, Any]:
             "scale": FLOW_SCALE,
             "zero": FLOW_ZERO,
             "formula": "x_other = x + (channel_0 - zero) / scale, likewise y",
+        },
+        "semantic": {
+            "classes": {str(i): name for i, name in enumerate(CLASSES)},
+            "groups": {name: list(classes) for name, classes in CLASS_GROUPS.items()},
+            "meaning": "one byte a class; face: skin of face and ears, with painted brows, lips "
+            "and beard; hand: skin of palm, fingers and wrist; arm: bare skin above the wrist; "
+            "table: with its legs; shelf: shelves, boards, bookcases and cupboards with books; "
+            "chair: with its cushion; other_person: in the background; clutter: anything "
+            "else of the room; objects are the instances of seg",
+        },
+        "normals": {
+            "meaning": "unit normal of the surface as it is lit, in the camera's frame (x right, y "
+            "down, z forward, so z < 0 faces the camera); red, green, blue of the file are x, y, "
+            "z; of a mesh, interpolated between its vertices",
+            "scale": STEPS,
+            "zero": ZERO,
+            "formula": "component = (byte - zero) / scale; 0 0 0 where there is no surface",
+            "bound_deg": 0.4,
+        },
+        "flow": {
+            "meaning": "where the surface of a pixel is in the same view's picture of the next "
+            "frame (flow_forward) or the one before (flow_backward); channels, scale and zero as "
+            "in correspondence: the status is 1 seen, 2 hidden, 3 outside the other picture; "
+            "of the renders, also where a picture was lost; the last frame has no forward flow, "
+            "the first no backward",
+            "scale": FLOW_SCALE,
+            "zero": FLOW_ZERO,
+            "bound": "within 1 px behind an edge, hidden may be called seen; 511 px at most",
         },
         "float": "NPZ of float32: depth_m, and disparity_px and places_px where they are written",
         "shutter_skew": "the right view's pictures and masks are of its own, later moment; all 3-D "

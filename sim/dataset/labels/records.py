@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from pjpdaf.arrays import Floats
+from pjpdaf.arrays import Floats, Image
 from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND, TARGETS
 
 HEAD_POINTS = ("head_centre", "chin")
@@ -64,13 +64,13 @@ NO_SURFACE, SEEN, HIDDEN, OUT_OF_FRAME = 0, 1, 2, 3
 
 @dataclass(frozen=True, eq=False)
 class Matches:
-    """Positions in the other view of the surface that each pixel of a view shows.
+    """Positions in another picture of the surface that each pixel of a view shows.
 
     Of the rectified pair: disparity_px (h, w) float32, x_left - x_right >= 0, NaN where there is no
     surface or the real picture does not reach. Of the pictures as they are: places_px (h, w, 2)
     float32, pixels of the other picture, also outside it; NaN where there is no surface, and behind
-    the other camera or beyond its lens. status (h, w) uint8: NO_SURFACE, SEEN, HIDDEN or
-    OUT_OF_FRAME in the other view.
+    the other camera or beyond its lens. Of optical flow: places_px in another frame's picture.
+    status (h, w) uint8: NO_SURFACE, SEEN, HIDDEN or OUT_OF_FRAME in the other picture.
     """
 
     status: NDArray[np.uint8]
@@ -90,8 +90,9 @@ class ViewLabels:
     camera and beyond its lens; keypoint_status (K,) int8: NOT_LABELLED outside the picture,
     OCCLUDED or VISIBLE; skeleton_px (P, 2), skeleton_status (P,): the same of the points of
     SKELETONS, one skeleton after the other. objects_px (O,) int64: visible pixels of the objects.
-    rectified, matches: `Matches` of the rectified pair and of the pictures as they are, None if not
-    wanted.
+    rectified, matches: `Matches` of the rectified pair and of the pictures as they are; classes
+    (h, w) uint8: of `classes.CLASSES`; normals (h, w, 3) uint8: of `sim.camera.normals`; each None
+    if not wanted.
     """
 
     depth_m: NDArray[np.float32]
@@ -107,6 +108,8 @@ class ViewLabels:
     objects_px: NDArray[np.int64]
     rectified: Matches | None = None
     matches: Matches | None = None
+    classes: NDArray[np.uint8] | None = None
+    normals: Image | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,3 +138,13 @@ class FrameLabels:
     finger_angles_rad: Floats
     views: tuple[ViewLabels, ViewLabels]
     objects: tuple[ObjectState, ...] = field(default=())
+
+
+@dataclass(frozen=True, eq=False)
+class FlowLabels:
+    """Optical flow between two frames, `Matches` per view: of the first frame's pixels, forward,
+    and of the second's, backward.
+    """
+
+    forward: tuple[Matches, Matches]
+    backward: tuple[Matches, Matches]

@@ -91,10 +91,10 @@ def test_on_a_phone_in_the_dark(report, opened):
 def test_the_gate_is_on_the_first_screen(runs, report):
     text = report.read_text(encoding="utf-8")
     first = text.partition("</header>")[0]
-    assert 'class="gate none"><a href="#gate">Gate undecided on ' in first
+    assert 'class="gate none"><a href="#gate">Gate undecided: ' in first
     assert f"{LONG_NAME}, seed 3: +" in text.partition('id="gate"')[2]
     same = build_page([runs[0]], verdict=compare(runs[0], runs[0]))
-    assert "Gate passed: the same results as the baseline, bit for bit" in same
+    assert "Gate passed: the same results as the base, bit for bit" in same
 
 
 def test_nothing_bad_is_not_listed_as_worst(runs):

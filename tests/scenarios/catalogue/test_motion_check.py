@@ -10,12 +10,14 @@ import pytest
 
 from pjpdaf.plugins.loading import NoSuchPlugIn
 from scenarios.catalogue.motion_check import check_motion
+from scenarios.spec.motion.plugged import TRUSTED_VARIABLE
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
 
 @pytest.fixture
 def plugged(monkeypatch):
+    monkeypatch.setenv(TRUSTED_VARIABLE, "")  # `check_motion` adds to it
     monkeypatch.syspath_prepend(str(EXAMPLES))
     monkeypatch.syspath_prepend(str(Path(__file__).parents[2]))
 

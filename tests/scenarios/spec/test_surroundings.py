@@ -8,7 +8,7 @@ from scipy.stats import kstest
 
 from pjpdaf.errors import BenchError
 from scenarios.play.targets import expand_target
-from scenarios.spec.draw import concrete, in_si
+from scenarios.spec.draw import concrete, in_si, perform
 from scenarios.spec.in_view import sees_workspace
 from scenarios.spec.names import load_scenario, scenario_names
 from scenarios.spec.parameters.choice import Choice
@@ -120,3 +120,9 @@ def test_a_value_that_no_room_has_is_one_line():
         concrete(varied(), 0, {"wall": "bricks"})
     assert str(fault.value).startswith("wall: must be one of paint, wallpaper, brick, panel, got")
     assert str(fault.value).endswith("did you mean brick?")
+
+
+def test_every_shipped_scenario_can_be_performed_in_varied_surroundings():
+    for name in scenario_names():
+        played = perform(varied(name, name), 1, {"frames": 6})
+        assert played.scene.room.surroundings is not None, name

@@ -84,7 +84,7 @@ def test_what_does_not_fail_is_promoted_as_fixed_only(tmp_path, monkeypatch):
         (("nowhere.yaml", "replay"), "nowhere.yaml: no such file"),
         (("nowhere.yaml", "shrink"), "nowhere.yaml: no such file"),
         (("cross", "shrink"), "cross: is not a case file, such as `stress cross search` writes"),
-        (("nowhere.yaml", "search"), "nowhere.yaml: is a case; this verb takes families"),
+        (("nowhere.yaml", "search"), "nowhere.yaml: no such file"),
         (("promote", "nowhere.yaml"), "nowhere.yaml: no such file"),
         (("cross", "replay", "--set", "speeed=1"), "did you mean speed?"),
     ],

@@ -4,6 +4,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from plain_surroundings import PLAIN
 
 from sim.camera.render import StereoRenderer
 from sim.dataset.labels.instances import FIRST_OBJECT, ROOM, TABLE, instances_of
@@ -15,31 +16,6 @@ from sim.surroundings import words
 from sim.surroundings.clutter import bystander_of
 
 RIG = RigSpec(focal_px=240.0, width_px=320, height_px=240, tilt_rad=0.2, distance_m=1.5)
-PLAIN = Surroundings(
-    arrangement=1,
-    depth_m=1.6,
-    half_width_m=2.0,
-    wall="paint",
-    floor="planks",
-    floor_rgb=(0.5, 0.4, 0.3),
-    door="none",
-    window="none",
-    shelves="none",
-    pictures=0,
-    poster=False,
-    plants=0,
-    screen="none",
-    chair="slats",
-    table_shape="straight",
-    table_legs="four",
-    clutter=0,
-    floor_clutter=0,
-    bystander="none",
-    light_elevation_rad=0.7,
-    light_softness=0.8,
-    light_contrast=0.5,
-    lamp="none",
-)
 CHOICES = {
     "wall": words.WALLS,
     "floor": words.FLOORS,

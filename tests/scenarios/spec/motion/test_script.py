@@ -89,7 +89,7 @@ def test_a_script_without_steps_and_an_object_on_no_side():
             Scenario,
         )
     with pytest.raises(BenchError) as fault:
-        parse(text.replace("at: [0.4, 0.1]", "at: [0.4, 0.1], side: rihgt"), "mine.yaml", Scenario)
+        parse(text.replace("at: [0.4, 0.0]", "at: [0.4, 0.0], side: rihgt"), "mine.yaml", Scenario)
     assert str(fault.value) == (
         "mine.yaml:9:38: motion.objects.can.side: must be right, left, or a parameter that is either, got 'rihgt'; did you mean right?"
     )

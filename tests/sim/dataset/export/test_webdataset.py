@@ -66,7 +66,10 @@ def test_members_are_the_files_of_the_data_set(dataset, read):
     folders = (*CAMERAS, *(folder for folders in LABELS.values() for folder in folders))
     suffix = {folder: ".npz" if folder.startswith("float") else ".png" for folder in folders}
     members = {key for key in sample if not key.startswith("__")}
-    assert members == {folder + suffix[folder] for folder in folders} | {"json"}
+    wanted = {folder + suffix[folder] for folder in folders} | {"json"}
+    assert members == wanted
+    assert wanted - set(read[6]) == {f"flow_backward_{c}.png" for c in CAMERAS}  # the first frame
+    assert wanted - set(read[9]) == {f"flow_forward_{c}.png" for c in CAMERAS}  # the last
     sequence = dataset.sequences[1]
     for folder in folders:
         if suffix[folder] == ".png":

@@ -89,6 +89,22 @@ def test_a_step_begins_when_it_is_told_to_and_takes_its_duration():
     assert rest.to_s - rest.from_s == pytest.approx(1.2)
 
 
+def test_both_hands_make_a_gesture_each_and_may_begin_crossed():
+    steps = (
+        "{who: both, do: wave}",
+        "{who: both, do: circle, plane: upright}",
+        "{who: both, do: rest}",
+    )
+    played = unjudged(script(*steps), 1, {"start": "crossed"})
+    assert judged(unjudged(script(*steps), 1)) is None
+    assert [(s.title.split("(")[1][:-1], s.side) for s in played.script.plan.steps[:4]] == [
+        ("wave", 0), ("wave", 1), ("circle", 0), ("circle", 1),
+    ]  # fmt: skip
+    first, begun = (played.script.pose(t) for t in (0.0, played.script.plan.steps[0].from_s))
+    assert first.hands[0].position_m[1] > first.hands[1].position_m[1]
+    assert begun.hands[0].position_m[1] < begun.hands[1].position_m[1]
+
+
 def test_an_object_goes_with_the_hand_and_stands_where_it_was_put():
     played, steps = every()
     lifted, put = steps["motion.steps.1 (lift)"], steps["motion.steps.4 (put)"]
