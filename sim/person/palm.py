@@ -40,14 +40,6 @@ _FLAT = 0.45  # rays leave the axis of the hand as in an ellipse of this flatnes
 _COLUMNS, _ALONG, _FAN = 37, 12, 16
 
 
-def palm_grid() -> Floats:
-    """Points (rings, columns, 3) [m] of the average right palm, from the wrist to the fingers.
-
-    Columns run about +x from +y (the thumb's side) over +z (the back); the last repeats the first.
-    """
-    return _palm_grid()
-
-
 def palm_mesh(grid_m: Floats, uv: Floats) -> Surface:
     """The surface of a palm's grid with texture coordinates (rings, columns, 2) of its points."""
     surface = closed_grid(capped(grid_m)[::-1])
@@ -73,7 +65,11 @@ def distance(points_m: Floats) -> Floats:
 
 
 @lru_cache(maxsize=1)
-def _palm_grid() -> Floats:
+def palm_grid() -> Floats:
+    """Points (rings, columns, 3) [m] of the average right palm, from the wrist to the fingers.
+
+    Columns run about +x from +y (the thumb's side) over +z (the back); the last repeats the first.
+    """
     about = np.linspace(0.0, 2.0 * np.pi, _COLUMNS)
     # Beside the wrist and the palm rays leave the axis at right angles, before it like a fan.
     x = np.concatenate([np.linspace(-0.0954, -0.014, _ALONG), np.linspace(-0.009, 0.0, _FAN)])
