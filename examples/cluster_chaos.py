@@ -1,6 +1,6 @@
 """Small items through a Dask scheduler while its workers are killed: each answer arrives once.
 
-python examples/cluster_chaos.py --items 100000 --kill-every 3
+python examples/cluster_chaos.py --items 100000 --kill-every 1000
 """
 
 from __future__ import annotations
@@ -27,18 +27,27 @@ from scenarios.execute.place import Place
 from scenarios.execute.software import PlugIns
 from sim.processes import Answer
 
+POLL_S = 0.05
+
 
 class Killer(threading.Thread):
-    """Kills a Dask worker, one of our isolated processes, or a nanny with its worker."""
+    """Kills a Dask worker, one of our isolated processes, or a nanny with its worker.
 
-    def __init__(self, processes: DaskProcesses, every_s: float, seed: int) -> None:
+    every: mean number of answers between two kills; answered: as many as there are by now.
+    """
+
+    def __init__(self, processes: DaskProcesses, every: float, seed: int) -> None:
         super().__init__(daemon=True)
-        self._processes, self._every_s, self._rng = processes, every_s, random.Random(seed)
-        self.over, self.kills = threading.Event(), Counter[str]()
+        self._processes, self._every, self._rng = processes, every, random.Random(seed)
+        self.answered, self.over, self.kills = 0, threading.Event(), Counter[str]()
 
     def run(self) -> None:
-        while not self.over.wait(self._rng.expovariate(1 / self._every_s)):
+        due = self._rng.expovariate(1 / self._every)
+        while not self.over.wait(POLL_S):
             self._replace_ended()
+            if self.answered < due:
+                continue
+            due = self.answered + self._rng.expovariate(1 / self._every)
             kind = self._rng.choice(["worker", "isolated process", "nanny and worker"])
             if kind == "nanny and worker":
                 nanny = self._rng.choice(self._processes.nannies)
@@ -71,7 +80,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--items", type=int, default=100_000)
     parser.add_argument("--workers", type=int, default=4)
-    parser.add_argument("--kill-every", type=float, default=0.0, help="Mean seconds; 0: never.")
+    parser.add_argument("--kill-every", type=float, default=0.0, help="Mean answers; 0: never.")
     parser.add_argument("--seed", type=int, default=1)
     wanted = parser.parse_args()
     with (
@@ -89,6 +98,9 @@ def main() -> None:
             if pair is not None:
                 assert pair[1] == Answer(2 * pair[0]), pair
                 arrived[pair[0]] += 1
+                killer.answered += 1
+                if killer.answered % 10_000 == 0:
+                    print(f"{killer.answered} answers, {killer.kills.total()} kills", flush=True)
         wall_s, here_s = time.monotonic() - started, time.process_time() - here
         killer.over.set()
         after = processes.cpu_s()

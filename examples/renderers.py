@@ -23,12 +23,14 @@ from scenarios.play.footage import performance_of
 from scenarios.play.job import Job, System
 from scenarios.play.play import play_complete
 from scenarios.spec.names import load_scenario
+from sim.camera.canvas import render_pass
 from sim.gl import context, load_mujoco
 from sim.processes import Answer
 from sim.scene.world import CAMERAS
 from sim.sequence import Simulation
 
 FRAMES, SIZE = (6, 12, 18), (480, 640)
+DOUBLE = 2 * SIZE[0], 2 * SIZE[1]
 EPISODE_FRAMES = 24
 Timed = Callable[[], object]
 
@@ -56,12 +58,12 @@ class Bare:
         self._mujoco.mjr_setBuffer(self._mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
         for name in CAMERAS:
             self._show(name, range(6))
-            rgb = self._pass((2 * SIZE[0], 2 * SIZE[1]), lit)
+            rgb = render_pass(self._scene, self._context, DOUBLE, lit, with_depth=False)[0]
             pictures.append(cv2.resize(rgb, SIZE[::-1], interpolation=cv2.INTER_AREA)[::-1])
-            self._pass(SIZE, ids, depth=True)
+            render_pass(self._scene, self._context, SIZE, ids, with_depth=True)
             for group in self._world.amodal_groups:
                 self._show(name, (group,))
-                self._pass(SIZE, ids)
+                render_pass(self._scene, self._context, SIZE, ids, with_depth=False)
         return np.asarray(pictures[0])
 
     def close(self) -> None:
@@ -77,17 +79,6 @@ class Bare:
         mujoco.mjv_updateScene(
             world.model, world.data, self._option, None, camera, every, self._scene
         )
-
-    def _pass(self, size: tuple[int, int], flags: Any, depth: bool = False) -> Image:
-        self._scene.flags[:] = 0
-        for flag in flags:
-            self._scene.flags[flag] = 1
-        viewport = self._mujoco.MjrRect(0, 0, size[1], size[0])
-        self._mujoco.mjr_render(viewport, self._scene, self._context)
-        rgb = np.empty((*size, 3), np.uint8)
-        metres = np.empty(size, np.float32) if depth else None
-        self._mujoco.mjr_readPixels(rgb, metres, viewport, self._context)
-        return rgb
 
 
 @contextmanager

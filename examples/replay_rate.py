@@ -1,6 +1,7 @@
 """What footage from the cache costs against rendering: CPU time of the same episodes, in a worker.
 
 python examples/replay_rate.py calm_table drink touch_face cross     # entries of the suite core
+python examples/replay_rate.py cross frames=12                        # with changed parameters
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ import os
 import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TypeVar
 
@@ -20,6 +22,7 @@ from scenarios.play.play import play_complete
 from sim.processes import Answer
 
 T = TypeVar("T")
+WARMING_FRAMES = 2
 
 
 def cpu_s(work: Callable[[Job], T], job: Job) -> tuple[float, T]:
@@ -45,9 +48,10 @@ def measure(job: Job) -> tuple[int, float, float, float]:
 
 
 def main() -> None:
-    only = tuple(sys.argv[1:])
-    jobs = plan(PlanRequest(("core",), seeds=1, first_seed=7000, only=only))
-    warming = plan(PlanRequest(("cross",), seeds=1, settings=("frames=2",)))
+    settings = tuple(word for word in sys.argv[1:] if "=" in word)
+    only = tuple(word for word in sys.argv[1:] if "=" not in word)
+    jobs = plan(PlanRequest(("core",), 1, 7000, settings=settings, only=only))
+    warming = plan(PlanRequest(("cross",), seeds=1, settings=(f"frames={WARMING_FRAMES}",)))
     rows = []
     with TemporaryDirectory() as folder:
         os.environ["PJPDAF_BENCH_CACHE"] = folder
@@ -56,7 +60,9 @@ def main() -> None:
                 if done is not None and isinstance(done[1], Answer) and done[0] > 0:
                     rows.append(done[1].value)
                     print(f"{jobs[done[0] - 1].name}: {rows[-1][0]} frames")
+        kept_bytes = sum(path.stat().st_size for path in Path(folder).rglob("*.rec"))
     frames, rendered_s, replayed_s, watched_s = (sum(column) for column in zip(*rows, strict=True))
+    print(f"kept: {kept_bytes / 1e3 / (frames + WARMING_FRAMES):.0f} kB a stereo frame")
     print(f"CPU per stereo frame, {frames} frames:")
     for text, slow_s, quick_s in (
         ("footage", rendered_s - replayed_s + watched_s, watched_s),

@@ -75,8 +75,8 @@ class WorkerPool:
 
     Each worker has a pipe of its own and shares no lock with others: when one is killed, the rest
     go on. After `close` it can be used again. tasks_per_worker: a worker is replaced after this
-    many tasks; 0: never. modules: of ours, that workers have imported when they start, beside that
-    of the function of their first task.
+    many tasks; 0: never. modules: of ours, that workers which start from now on have imported,
+    beside that of the function of their first task.
     """
 
     def __init__(
@@ -85,7 +85,7 @@ class WorkerPool:
         for name, value in WORKER_ENVIRONMENT.items():
             os.environ.setdefault(name, value)
         self._count, self._tasks_per_worker = count, tasks_per_worker
-        self._modules = tuple(modules)
+        self.modules = tuple(modules)
         self._workers: list[_Worker] = []
 
     def outcomes(
@@ -182,7 +182,7 @@ class WorkerPool:
                 worker.end()
         idle = [worker for worker in self._workers if worker.task_index is None]
         while len(idle) < most and len(self._workers) < self._count:
-            idle.append(_Worker((*self._modules, module)))
+            idle.append(_Worker((*self.modules, module)))
             self._workers.append(idle[-1])
         return idle[:most]
 

@@ -22,8 +22,9 @@ class Appearance:
     sleeves: str = "long"  # one of sim.person.sleeves.SLEEVES
     beard: bool = False
     glasses: bool = False
-    hair: str = "short"  # one of sim.person.head.HAIR
+    hair: str = "short"  # one of sim.person.hair.HAIR
     shirt_pattern: str = "plain"  # one of sim.surfaces.textures.PATTERNS
+    expression: str = "neutral"  # one of sim.person.face.EXPRESSIONS
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,43 @@ class ObjectSpec:
 
 
 @dataclass(frozen=True)
+class Surroundings:
+    """All of a room about table and person that is drawn from the seed (`sim.surroundings`).
+
+    arrangement: seed of places, sizes, patterns and colours that no field names. The walls stand
+    depth_m behind the mid-shoulder point and half_width_m beside it. Words are those of
+    `sim.surroundings.words`; pictures, plants, clutter, floor_clutter are numbers of things.
+    light_elevation_rad: of the key light above the horizon; light_softness 0-1: of its shadows'
+    edges; light_contrast 0-1: from even light to light of one side; shadow_lights: 1 or 2.
+    """
+
+    arrangement: int
+    depth_m: float
+    half_width_m: float
+    wall: str
+    floor: str
+    floor_rgb: RGB
+    door: str
+    window: str
+    shelves: str
+    pictures: int
+    poster: bool
+    plants: int
+    screen: str
+    chair: str
+    table_shape: str
+    table_legs: str
+    clutter: int
+    floor_clutter: int
+    bystander: str
+    light_elevation_rad: float
+    light_softness: float
+    light_contrast: float
+    lamp: str
+    shadow_lights: int = 1
+
+
+@dataclass(frozen=True)
 class RoomSpec:
     """Table, chair, walls, light. World: origin on the floor under the mid-shoulder point."""
 
@@ -58,6 +96,7 @@ class RoomSpec:
     light_azimuth_rad: float = 0.0  # the key light, turned about the vertical
     texture_seed: int = 0
     objects: tuple[ObjectSpec, ...] = ()
+    surroundings: Surroundings | None = None  # None: the nominal room
 
 
 @dataclass(frozen=True)

@@ -97,3 +97,13 @@ def surroundings(name):
     if name == "modules":
         return sorted(sys.modules)
     return os.getcwd(), sys.path[0], os.environ.get(name)  # noqa: PTH109
+
+
+def memory_after(job):
+    """Megabytes of this process after it has played a job: now, and at the most."""
+    from scenarios.play.play import play_complete
+
+    play_complete(job)
+    words = Path("/proc/self/status").read_text().split()
+    now, most = (int(words[words.index(name) + 1]) / 1e3 for name in ("VmRSS:", "VmHWM:"))
+    return os.getpid(), now, most

@@ -14,7 +14,7 @@ from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import AnyTracker, Detections, Detector, Estimates, Smoother
 from pjpdaf.known_targets import KnownTargets
 from pjpdaf.plugins.answers import fault_of_detections, fault_of_estimates, fault_of_step
-from pjpdaf.plugins.registry import describe_exception
+from pjpdaf.plugins.loading import describe_exception
 
 
 @dataclass(frozen=True)

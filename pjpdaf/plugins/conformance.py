@@ -20,17 +20,24 @@ LONGEST_LIMIT_S = 3600.0
 def check_named(kind: str, name: str, limit_s: float = LIMIT_S) -> tuple[str, ...]:
     """Check a plug-in by name: an entry point, or module:factory. kind: tracker, detector.
 
+    Motions are checked by `scenarios.catalogue.motion_check`, which has a scene to play them in.
+
     Raises BenchError for another kind, NoSuchPlugIn for a name that is not there.
     """
     if kind not in ("tracker", "detector"):
-        raise BenchError(f"--kind must be tracker or detector, got {kind!r}")
+        raise BenchError(f"--kind must be tracker, detector or motion, got {kind!r}")
+    check_limit(limit_s)
+    if kind == "tracker":
+        return check_tracker(partial(make_tracker, name), limit_s)
+    return check_detector(partial(make_detector, name), limit_s)
+
+
+def check_limit(limit_s: float) -> None:
+    """Raise BenchError for a time limit that is none."""
     if not 0 < limit_s <= LONGEST_LIMIT_S:
         raise BenchError(
             f"--limit must be above 0 and at most {LONGEST_LIMIT_S:g} s, got {limit_s:g}"
         )
-    if kind == "tracker":
-        return check_tracker(partial(make_tracker, name), limit_s)
-    return check_detector(partial(make_detector, name), limit_s)
 
 
 def check_tracker(factory: Factory, limit_s: float = LIMIT_S) -> tuple[str, ...]:

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 from pjpdaf.errors import BenchError
-from pjpdaf.plugins.registry import Factory, NoSuchPlugIn, describe_exception
+from pjpdaf.plugins.loading import NoSuchPlugIn, describe_exception
+from pjpdaf.plugins.registry import Factory
 from pjpdaf.plugins.scenes import cameras_in_front
 
 

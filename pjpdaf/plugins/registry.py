@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import importlib
-import sysconfig
-import traceback
 from collections.abc import Callable, Iterable, Mapping
-from importlib.metadata import entry_points
-from pathlib import Path
 from typing import Any, cast
 
 from pjpdaf.camera import Camera
 from pjpdaf.detector.adaptation import BlobDetectorParameters
-from pjpdaf.errors import BenchError, did_you_mean
+from pjpdaf.errors import BenchError
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import AnyTracker, Detector
+from pjpdaf.plugins.loading import (
+    PlugInError,
+    describe_exception,
+    entry_point_names,
+    find_factory,
+)
 from pjpdaf.presets.flat import flat_names
 from pjpdaf.presets.override import override
 from pjpdaf.presets.registry import PRESETS, find_preset
-from pjpdaf.printable import printable
 from pjpdaf.tracker.filter import PJPDAF
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 from pjpdaf.tracker.hypotheses.tracker import HypothesisTracker
@@ -29,37 +29,10 @@ TRACKERS = "pjpdaf_bench.trackers"
 
 Factory = Callable[[tuple[Camera, ...]], Any]
 
-_OURS = str(Path(__file__).parents[1])
-_LIBRARIES = (sysconfig.get_path("stdlib"), sysconfig.get_path("purelib"), "<")
-
-
-class PlugInError(BenchError):
-    """A detector or tracker that cannot be loaded or built."""
-
-
-class NoSuchPlugIn(PlugInError):
-    """There is no detector or tracker of this name."""
-
-
-def describe_exception(fault: BaseException) -> str:
-    """Describe an exception of a user's code in one line: type, text, file and line number."""
-    try:
-        # Of a BenchError the text as it was raised, before its line breaks were escaped.
-        raised = super(BenchError, fault).__str__() if isinstance(fault, BenchError) else str(fault)
-        text = printable(" ".join(raised.split()))
-    except Exception:  # of their own __str__
-        text = ""
-    stack = traceback.extract_tb(fault.__traceback__)[1:]  # the first is the caller's `try`
-    theirs = [f for f in stack if not f.filename.startswith((_OURS, *_LIBRARIES))]
-    # Where all of it is installed, the deepest place is all there is.
-    last = (theirs or stack)[-1:]
-    place = f" ({Path(last[0].filename).name}:{last[0].lineno})" if last else ""
-    return f"{type(fault).__name__}{': ' if text else ''}{text[:200]}{place}"
-
 
 def plug_in_names(group: str) -> tuple[str, ...]:
     """Names of presets and entry points, for the group DETECTORS or TRACKERS."""
-    return tuple(sorted({*PRESETS, *(point.name for point in entry_points(group=group))}))
+    return tuple(sorted({*PRESETS, *entry_point_names(group)}))
 
 
 def make_tracker(
@@ -121,7 +94,7 @@ def _refuse_overrides(
 def _build(
     kind: str, group: str, name: str, cameras: tuple[Camera, ...], methods: tuple[str, ...]
 ) -> object:
-    factory = _factory(kind, group, name)
+    factory = find_factory(kind, group, name, plug_in_names(group))
     try:
         plug_in = factory(cameras)
     except BenchError:
@@ -133,45 +106,3 @@ def _build(
     if missing:
         raise PlugInError(f"The {kind} {name!r} lacks {', '.join(missing)}; see pjpdaf.interfaces.")
     return plug_in
-
-
-def _factory(kind: str, group: str, name: str) -> Factory:
-    factory = _entry_point(kind, group, name) or _attribute(kind, group, name)
-    if not callable(factory):
-        raise PlugInError(f"The {kind} {name!r} is no function of the cameras.")
-    return cast(Factory, factory)
-
-
-def _entry_point(kind: str, group: str, name: str) -> object | None:
-    """Load an installed entry point; None where there is no such entry point."""
-    for point in entry_points(group=group):
-        if point.name == name:
-            try:
-                loaded: object = point.load()
-            except (Exception, SystemExit) as fault:
-                cause = describe_exception(fault)
-                raise PlugInError(f"The {kind} {name!r} cannot be loaded: {cause}.") from fault
-            return loaded
-    return None
-
-
-def _attribute(kind: str, group: str, name: str) -> object:
-    """Import the object that 'module:factory' names."""
-    module_name, colon, attribute = name.partition(":")
-    if not colon:
-        raise NoSuchPlugIn(
-            f"No {kind} {name!r}.{did_you_mean(name, plug_in_names(group))} "
-            "A factory of your own is written module:factory."
-        )
-    cannot = f"The {kind} {name!r} cannot be imported"
-    try:
-        module = importlib.import_module(module_name)
-    except (ImportError, ValueError) as fault:
-        gone = isinstance(fault, ModuleNotFoundError) and fault.name == module_name
-        raise (NoSuchPlugIn if gone else PlugInError)(f"{cannot}: {fault}.") from fault
-    except (Exception, SystemExit) as fault:  # from code that runs when their module is imported
-        raise PlugInError(f"{cannot}: {describe_exception(fault)}.") from fault
-    if not hasattr(module, attribute):
-        public = [w for w, value in vars(module).items() if callable(value) and w[0] != "_"]
-        raise NoSuchPlugIn(f"No {attribute!r} in {module_name!r}.{did_you_mean(attribute, public)}")
-    return getattr(module, attribute)

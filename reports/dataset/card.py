@@ -24,10 +24,12 @@ from reports.dataset.card_tables import (
     sequence_table,
 )
 from reports.dataset.histograms import histogram_svg
+from reports.dataset.spread_table import spread_table
 from sim.dataset.croissant import NAME
 from sim.dataset.files.layout import CARD
 from sim.dataset.raytruth import RayFigures
 from sim.dataset.reader import Dataset
+from sim.dataset.spread import spread_of
 from sim.dataset.statistics import Statistics
 from sim.files import disk_faults, written_whole_file
 
@@ -71,6 +73,8 @@ def card_text(
         sequence_table(dataset, statistics),
         "## Labels in numbers",
         label_tables(statistics),
+        "## Spread",
+        spread_table(dataset, spread_of(dataset)),
         "## Files",
         file_table(dataset),
         "## Loading",

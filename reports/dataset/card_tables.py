@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Mapping
 from html import escape
 
 from ruamel.yaml import YAML
@@ -17,12 +18,15 @@ from sim.dataset.files.layout import (
     OBJECTS,
     RECIPE,
     RIG,
+    SKELETON,
     TRUTH,
 )
 from sim.dataset.reader import Dataset
 from sim.dataset.statistics import Statistics
+from sim.dataset.stored_sequence import StoredSequence
 
 PICTURES, SAMPLE = "pictures", "sample.jpg"
+IDENTITY = ("room", "body", "rig")  # of a sequence's recipe
 LONG_TABLE = 24  # sequences; of more the table is by scenario
 TASKS = ("object-detection", "image-segmentation", "depth-estimation", "keypoint-detection")
 TAGS = ("stereo", "tracking", "hands", "head", "disparity", "synthetic", "mujoco")
@@ -41,6 +45,9 @@ _KINDS = {
     "amodal": "8 bit: the whole of each target, hidden parts too; bit 0 head, 1 right, 2 left hand",
     "disparity": "16 bit: disparity of the rectified pair x 256, 0 = none; `occlusion_*`: status",
     "correspondence": "16 bit, three channels: where a pixel's surface lies in the other view",
+    "semantic": "8 bit: class of the surface (face, hair, wall, ...), as in `conventions.json`",
+    "normals": "8 bit, three channels: surface normal in the camera's frame, 128 + 127 n",
+    "flow": "16 bit, three channels: where a pixel's surface is in the next frame, the last",
     "float": "NPZ: the same numbers as float32, not rounded",
 }
 
@@ -58,6 +65,7 @@ def front_matter(statistics: Statistics) -> str:
     configs: list[dict[str, object]] = [
         {"config_name": "truth", "data_files": f"seq_*/{TRUTH}", "default": True}
     ]
+    configs.append({"config_name": "skeletons", "data_files": f"seq_*/{SKELETON}"})
     if statistics.object_rows:  # `datasets` loads no table without a row
         configs.append({"config_name": "objects", "data_files": f"seq_*/{OBJECTS}"})
     record = {
@@ -88,12 +96,20 @@ def sequence_table(dataset: Dataset, statistics: Statistics) -> str:
     for sequence in dataset.sequences:
         entry = sequence.entry
         cells = [str(entry.get(key, "")) for key in ("label", "scenario", "rung", "seed")]
+        cells += [identity_part(sequence, part)[:8] for part in IDENTITY]
         lines.append(
             f"| {sequence.name} | {' | '.join(map(escaped, cells))} | {sequence.frame_count} "
             f"| {sequence.fps:g} |"
         )
-    head = "| folder | label | scenario | rung | seed | frames | frames/s |"
-    return "\n".join([head, "|---|---|---|---|--:|--:|--:|", *lines])
+    head = "| folder | label | scenario | rung | seed | room | body | rig | frames | frames/s |"
+    return "\n".join([head, "|---|---|---|---|--:|---|---|---|--:|--:|", *lines])
+
+
+def identity_part(sequence: StoredSequence, part: str) -> str:
+    """The digest of "room", "body" or "rig" in a sequence's recipe; "" where it has none."""
+    identity = sequence.recipe.get("identity")
+    value = identity.get(part) if isinstance(identity, Mapping) else None
+    return value if isinstance(value, str) else ""
 
 
 def label_tables(statistics: Statistics) -> str:
@@ -152,6 +168,7 @@ def file_table(dataset: Dataset) -> str:
     lines += [
         (f"`{TRUTH}`", "a row a frame and target"),
         (f"`{OBJECTS}`", "a row a frame and object"),
+        (f"`{SKELETON}`", "a row a frame and skeleton: 21 joints a hand, the upper body"),
         (f"`{EVENTS}`", "merges, splits, occlusions, contacts as intervals of frames"),
         (f"`{RIG}`", "cameras to the last bit, frame rate, names of the instance ids"),
         (f"`{CALIBRATION}/`", "intrinsics.yml, extrinsics.yml as OpenCV reads them"),

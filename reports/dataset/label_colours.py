@@ -16,6 +16,7 @@ from sim.dataset.labels.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN
 
 Colour = tuple[int, int, int]
 
+FULL_FLOW_PX = 40.0  # of the brightest colour of flow
 NEAR_M, FAR_M = 0.5, 4.0  # red and blue; in between the colour goes with 1 / depth
 EMPTY: Colour = (38, 34, 32)
 # BGR; distinct for the colour-blind as well, and bright on a dark picture.
@@ -65,6 +66,37 @@ def instance_colour(identity: int) -> Colour:
     """The colour of an instance id, BGR."""
     b, g, r = _palette()[identity].tolist()
     return b, g, r
+
+
+def classes_picture(classes: Image) -> Image:
+    """Colour semantic classes (h, w) as (h, w, 3) BGR, by turns of the golden angle."""
+    hues = (np.arange(256) * 137.508 / 2) % 180
+    hsv = np.stack([hues, np.full(256, 110.0), np.full(256, 210.0)], axis=-1).astype(np.uint8)
+    table = cv2.cvtColor(hsv[None], cv2.COLOR_HSV2BGR)[0]
+    table[0] = EMPTY
+    return np.asarray(table[classes])
+
+
+def normals_picture(normals: NDArray[np.float32]) -> Image:
+    """Colour normals (h, w, 3) as is usual: red right, green up, blue towards the camera."""
+    known = np.isfinite(normals).all(axis=-1, keepdims=True)
+    towards = np.where(known, normals, 0) * np.array([1.0, -1.0, -1.0])
+    picture = np.rint(127.5 * (1 + towards[..., ::-1])).astype(np.uint8)
+    return np.where(known, picture, np.array(EMPTY, np.uint8))
+
+
+def flow_picture(places_px: NDArray[np.float32], status: Image) -> Image:
+    """Colour flow (h, w, 2) by its direction, dark where nothing moves; hidden pixels as status."""
+    height, width = status.shape
+    rows, columns = np.mgrid[:height, :width]
+    dx, dy = np.nan_to_num(places_px[..., 0] - columns), np.nan_to_num(places_px[..., 1] - rows)
+    hue = (np.degrees(np.arctan2(dy, dx)) + 180) / 2
+    value = 40 + 215 * np.clip(np.hypot(dx, dy) / FULL_FLOW_PX, 0, 1)
+    hsv = np.stack([hue, np.full_like(hue, 190), value], axis=-1).astype(np.uint8)
+    picture = np.asarray(cv2.cvtColor(hsv, cv2.COLOR_HSV2BGR), np.uint8)
+    other = status != SEEN
+    picture[other] = occlusion_picture(status)[other]
+    return picture
 
 
 def occlusion_picture(status: Image) -> Image:

@@ -28,6 +28,9 @@ LAYERS: dict[str, tuple[str, int, bool]] = {
     "amodal": ("amodal_left", 50, False),
     "disparity": ("disparity_left", 55, True),
     "occlusion": ("occlusion_left", LOSSLESS, True),
+    "classes": ("semantic_left", LOSSLESS, False),
+    "normals": ("normals_left", 60, False),
+    "flow": ("flow_forward_left", 60, False),
 }
 THREADS = 4  # encode while the next layer is read
 
@@ -130,6 +133,12 @@ def _layer(
         return label_colours.depth_picture(sequence.depth_m(v, index))
     if layer == "seg":
         return label_colours.seg_picture(sequence.seg(v, index))
+    if layer == "classes":
+        return label_colours.classes_picture(sequence.classes(v, index))
+    if layer == "normals":
+        return label_colours.normals_picture(sequence.normals(v, index))
+    if layer == "flow":
+        return _flow(sequence, index, v)
     if layer == "amodal":
         seg = sequence.seg(v, index) if sequence.has(f"seg_{CAMERAS[v]}") else None
         return label_colours.amodal_picture(
@@ -142,3 +151,14 @@ def _layer(
     return label_colours.disparity_picture(
         matches.disparity_px, label_colours.most_disparity_px(sequence.rig)
     )
+
+
+def _flow(sequence: StoredSequence, index: int, v: int) -> Image:
+    """Forward flow of a view; of the last frame, which has none, that back to the one before."""
+    last = index == sequence.frame_count - 1
+    camera = sequence.rig.cameras[v]
+    if last and not index:  # a single frame
+        return canvas_of(None, camera)
+    flow = sequence.flow(v, index, "backward" if last else "forward")
+    assert flow.places_px is not None, "flow always has places"
+    return label_colours.flow_picture(flow.places_px, flow.status)

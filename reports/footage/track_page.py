@@ -48,6 +48,10 @@ def track_page(record: TrackRecord, info: TrackInfo) -> str:
         "paths-0": paths_figure(record.samples),
         "time-0": time_figure(record.samples, record.missing_frames),
     }
+    pictures = [
+        EnlargedPicture(caption, data_address("image/jpeg", jpeg))
+        for caption, jpeg in record.pictures
+    ]
     film = info.film
     embedded = film is not None and film.stat().st_size <= FILM_BYTES
     film_type = "video/mp4" if film is not None and film.suffix == ".mp4" else "video/webm"
@@ -61,10 +65,8 @@ def track_page(record: TrackRecord, info: TrackInfo) -> str:
         info=info,
         summaries=record.summaries(),
         statuses=STATUSES,
-        pictures=[
-            EnlargedPicture(caption, data_address("image/jpeg", jpeg))
-            for caption, jpeg in record.pictures
-        ],
+        pictures=pictures,
+        poster=pictures[len(pictures) // 2].address if pictures else "",
         film=film.name if film is not None else "",
         film_address=data_address(film_type, film.read_bytes()) if film and embedded else "",
         baseline_mm=1000 * float(np.linalg.norm(info.rig.T)),

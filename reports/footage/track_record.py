@@ -12,12 +12,18 @@ from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import STATUSES, Detections, Estimates
 from pjpdaf.targets import TARGETS
 from reports.footage.gallery import Gallery
-from reports.footage.stated import DOUBTFUL, SURE_M, StatedDoubt, StatedError, StatedErrors
+from reports.footage.stated import DOUBTFUL, StatedDoubt, StatedError, StatedErrors
 from reports.summary.text import count
 from reports.words import LABELS
 
 MAX_SAMPLES = 2000  # of the curves; longer footage is thinned, so that memory and page stay small
 MAX_NAMED = 20  # missing pictures that the page names
+# Where tracking never began, by whether most frames had detections enough in both views.
+_REMEDY = {
+    True: "if these are head and hands, left and right view may be exchanged, or the calibration "
+    "be of other cameras, of another size or --unit",
+    False: "a sample of the skin (--skin-sample) or a better background may help",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,30 +144,28 @@ class TrackRecord:
     def verdict(self) -> str:
         """The outcome in one or two sentences."""
         if self.first_frame is None:
+            often = 2 * self.enough_detected > self.frames
             return (
                 "Tracking never began: it waits for a frame in which head and both hands are found "
                 "in both views. "
                 f"{count(self.enough_detected, 'frame')} of {self.frames} had three or more "
-                "detections in both. The pictures show what was detected; a sample of the "
-                "skin (--skin-sample) or a better background may help."
+                f"detections in both. The pictures show what was detected; {_REMEDY[often]}."
             )
         shares = ", ".join(
-            f"{LABELS[s.target]} {_percent(s.shares['tracked'])} ({_percent(s.stated.sure)})"
-            for s in self.summaries()
+            f"{LABELS[s.target]} {_percent(s.shares['tracked'])}" for s in self.summaries()
         )
-        return (
-            f"Tracking began at frame {self.first_frame} ({self.first_s:.1f} s). "
-            "Found in the frames from there on (in brackets: those with a stated standard "
-            f"deviation of {1000 * SURE_M:.0f} mm or less): {shares}. {self._doubt_words()}"
-        )
+        since = f"since tracking began in frame {self.first_frame} ({self.first_s:.1f} s)"
+        if not self.first_frame:
+            since = "from the first frame on"
+        return f"Found {since}: {shares}. {self._doubt_words()}"
 
     def _doubt_words(self) -> str:
         doubt = self.doubt
         if not doubt.frames:
             return "The tracker does not say how sure it is of right and left."
         return (
-            f"Right and left in doubt ({_percent(DOUBTFUL)} or more that they are exchanged) in "
-            f"{_percent(doubt.doubtful)} of the frames."
+            f"The tracker doubts which hand is which ({_percent(DOUBTFUL)} or more that they are "
+            f"exchanged) in {_percent(doubt.doubtful)} of the frames."
         )
 
     def _sample(self, frame: StereoFrame, estimates: Estimates) -> None:

@@ -3,9 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from reports.gate.metrics import Metric
-from reports.gate.verdict import GroupDifference, MetricVerdict
+from reports.gate.verdict import GroupDifference, MetricVerdict, Verdict
+from reports.summary.text import count
+
+
+def verdict_sentence(verdict: Verdict, lead: str, name: Callable[[Metric], str]) -> str:
+    """A verdict in one sentence. lead: its first words, the outcome; name: words for a metric."""
+    if verdict.identical:
+        text = "the same results as the base, bit for bit"
+    elif verdict.verdict == "pass":
+        text = "no metric is worse by more than its margin"
+    else:
+        decisive = (m.metric for m in verdict.metrics if m.verdict == verdict.verdict)
+        text = "; ".join(map(name, decisive))  # some names have commas
+    return f"{lead}: {text} ({count(verdict.episodes, 'paired episode')})"
 
 
 def outcome_text(judged: MetricVerdict) -> str:

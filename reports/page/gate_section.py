@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from reports.gate.advice import advice_lines
-from reports.gate.text import interval_text, number, outcome_text, unit_text
+from reports.gate.text import interval_text, number, outcome_text, unit_text, verdict_sentence
 from reports.gate.verdict import MetricVerdict, Verdict
 from reports.page.figure_table import Cell, Column, FigureRow, FigureTable, cells, heads
 from reports.page.run_entries import RunEntry
-from reports.summary.text import count
 
 OUTCOMES = {"pass": "good", "fail": "bad", "inconclusive": "none"}
+LEADS = {"pass": "Gate passed", "fail": "Gate failed", "inconclusive": "Gate undecided"}
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def gate_section(verdict: Verdict, entries: Sequence[RunEntry]) -> GateSection:
     return GateSection(
         base=verdict.base,
         outcome=OUTCOMES[verdict.verdict],
-        sentence=_sentence(verdict),
+        sentence=verdict_sentence(verdict, LEADS[verdict.verdict], lambda metric: metric.meaning),
         table=FigureTable(
             anchor="by-metric",
             label="Metrics against the baseline",
@@ -71,18 +71,6 @@ def gate_section(verdict: Verdict, entries: Sequence[RunEntry]) -> GateSection:
         commands=verdict.advice.commands if verdict.advice is not None else (),
         notes=verdict.notes,
     )
-
-
-def _sentence(verdict: Verdict) -> str:
-    episodes = count(verdict.episodes, "paired episode")
-    if verdict.identical:
-        return f"Gate passed: the same results as the baseline, bit for bit, in {episodes}."
-    words = "; ".join(m.metric.meaning for m in verdict.metrics if m.verdict == verdict.verdict)
-    if verdict.verdict == "pass":
-        return f"Gate passed: no metric is worse by more than its margin in {episodes}."
-    if verdict.verdict == "fail":
-        return f"Gate failed: worse than the baseline in {words} ({episodes})."
-    return f"Gate undecided on {words}, {episodes}."
 
 
 def _columns(verdict: Verdict) -> tuple[Column[MetricVerdict], ...]:

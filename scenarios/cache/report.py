@@ -18,12 +18,21 @@ from sim.recording.footer import Footer
 from sim.recording.recording import Recording
 
 
-def origin_line(rows: tuple[EpisodeRows, ...], settings: CacheSettings | None) -> str:
-    """Where the pictures of a run came from, "" where nothing was rendered or replayed."""
+def origin_line(
+    rows: tuple[EpisodeRows, ...], settings: CacheSettings | None, plugged: int = 0
+) -> str:
+    """Where the pictures of a run came from, "" where nothing was rendered or replayed.
+
+    plugged: number of episodes whose motion is a plug-in's.
+    """
     drawn = [row for row in rows if row.renderer]
     replayed = sum(row.replayed for row in drawn)
     if settings is None or not drawn:
         return ""
+    if plugged:
+        anew = f"{count(plugged, 'episode')} with a plug-in's motion rendered anew, not kept"
+        others = f"; {replayed} of the others from the cache" if replayed else ""
+        return f"footage: {anew} (the cache cannot know all of its code){others}"
     if replayed == len(drawn):
         return "footage: all from the cache, nothing rendered (--no-cache renders anew)"
     share = f"{replayed} of {len(drawn)} from the cache, the rest" if replayed else "rendered and"

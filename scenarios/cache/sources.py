@@ -21,6 +21,7 @@ SIMULATOR = (
     "pjpdaf/camera.py",
     "pjpdaf/errors.py",
     "pjpdaf/frames.py",
+    "pjpdaf/plugins/loading.py",
     "pjpdaf/printable.py",
     "pjpdaf/targets.py",
 )

@@ -9,6 +9,7 @@ from rich.table import Table
 
 from reports.summary.plain_table import plain_table
 from reports.summary.text import count
+from scenarios.console.lines import print_line
 from scenarios.console.tables import print_table
 from scenarios.spec.draw import concrete, perform
 from scenarios.spec.names import resolve, scenarios_of
@@ -36,7 +37,7 @@ def print_description(name: str, seed: int, overrides: Mapping[str, str] | None 
 def _print(lines: Iterable[str], table: Table) -> None:
     console = Console()
     for line in lines:
-        console.print(line, highlight=False, markup=False, soft_wrap=True)
+        print_line(line, console)
     print_table(table, console)
 
 

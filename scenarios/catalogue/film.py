@@ -20,6 +20,7 @@ from scenarios.console.interrupts import unwritten_if_interrupted
 from scenarios.console.progress import progress
 from scenarios.play.settings import read_scenario_settings
 from scenarios.spec.draw import perform
+from scenarios.spec.motion.plugged import trust
 from scenarios.spec.names import load_scenario
 from sim.files import disk_faults, written_whole_file
 from sim.labels import centres
@@ -104,6 +105,7 @@ def target_labels(shot: RenderedFrame) -> list[np.ndarray]:
 
 def _performance(request: FilmRequest) -> Performance:
     settings = read_scenario_settings(request.settings)
+    trust(request.name)
     return perform(load_scenario(request.name), request.seed, settings)
 
 

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from pjpdaf.errors import BenchError
 from pjpdaf.presets.names import DEFAULT_PRESET
 from scenarios.cli.options import (
     Detections,
@@ -93,6 +94,12 @@ def track(
     from scenarios.footage.track import track as track_footage
 
     refuse_both_detectors(detections, detector)
+    for path in calibration:
+        if str(path).startswith("--"):
+            raise BenchError(
+                f"--calibration takes two files, but its second is the option {path}; a file that "
+                "holds both cameras is given twice"
+            )
     track_footage(
         TrackRequest(
             left=left,

@@ -70,7 +70,8 @@ def _target(
         str,
         typer.Argument(
             metavar="FAMILY|all|CASE.yaml",
-            help="What to stress: families with commas between them, or a case.",
+            help="What to stress: families with commas between them (names, scenario files, "
+            "module:factory of a motion), or a case.",
         ),
     ],
 ) -> None:

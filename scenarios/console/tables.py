@@ -14,6 +14,7 @@ from rich.measure import Measurement
 from rich.table import Column, Table
 from rich.text import Text
 
+from scenarios.console.lines import print_line
 from scenarios.console.screen import is_screen
 
 INDENT = "  "
@@ -40,7 +41,7 @@ def print_table(table: Table, console: Console | None = None) -> None:
         for line in _rows(table, console.width):
             console.print(line, highlight=False, soft_wrap=True)
     if caption is not None:
-        console.print(caption, highlight=False, style="dim")
+        print_line(str(caption), console, "dim")
 
 
 def _shared(needed: Sequence[int], longest: Sequence[int], room: int) -> list[int]:

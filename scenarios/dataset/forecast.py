@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -13,9 +13,9 @@ from rich.filesize import decimal
 
 from pjpdaf.errors import BenchError, InfrastructureError
 from scenarios.execute.executor import Executor
-from scenarios.play.recipe import Recipe
+from scenarios.play.recipe import OWN_SIZE, Recipe
 from scenarios.spec.draw import setting_of
-from sim.dataset.writer import write_frame
+from sim.dataset.writer import write_frames
 from sim.processes import Answer
 from sim.sequence import Simulation
 
@@ -30,30 +30,40 @@ FRAME_BYTES = 8_000  # rows of the tables, checksums
 SEQUENCE_BYTES = 40_000  # recipe, rig, calibration
 DATASET_BYTES = 160_000  # card with its pictures, Croissant record
 EXPORT_FRAME_BYTES = {"coco": 8_000, "mot": 1_500, "webdataset": 19_000, "parquet": 2_000}
+EXPORT_FRAME_BYTES |= {"yolo-pose": 2_000, "yolo-seg": 4_000, "middlebury": 500}
+PFM_BYTES = 2 * 4.05  # a pixel, of two files; the masks shrink
 EXPORT_S_PER_MB = 0.02  # of copying
 
 
 @dataclass(frozen=True)
 class Trial:
-    """Two frames of a sequence, made on trial.
+    """A few frames of a sequence, made on trial.
 
     pictures: bytes of a stereo pair; labels: bytes of a frame's labels; start_s: until the first
-    frame could be rendered [s]; frame_s: of a frame [s].
+    frame could be rendered [s]; frame_s: of a frame [s]; frame_cpu_s: of a frame, processor time of
+    all threads [s].
     """
 
     pictures: float
     labels: float
     start_s: float
     frame_s: float
+    frame_cpu_s: float
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """Expected bytes and wall time. exports: the part of `size` that is of exports."""
+    """Expected bytes and wall time. exports: the part of `size` that is of exports.
+
+    Of a stereo frame, on average: pictures and labels [bytes], cpu_s processor time [s].
+    """
 
     size: int
     exports: int
     seconds: float
+    pictures: float
+    labels: float
+    cpu_s: float
 
 
 def forecast(
@@ -72,14 +82,27 @@ def forecast(
     nearest = [trials[min(trials, key=lambda k: abs(k - i))] for i in range(len(recipes))]
     made = sum(_sequence_bytes(nearest[i], recipe) for i, recipe in missing.items())
     exported = sum(
-        recipe.job.frames * _export_bytes(nearest[i], exports) for i, recipe in enumerate(recipes)
+        recipe.job.frames * _export_bytes(nearest[i], recipe, exports)
+        for i, recipe in enumerate(recipes)
     )
     workers = min(jobs, len(missing))
     seconds = sum(
         nearest[i].start_s + recipe.job.frames * nearest[i].frame_s for i, recipe in missing.items()
     )
     size = round(made + exported + DATASET_BYTES)
-    return Forecast(size, round(exported), seconds / workers + EXPORT_S_PER_MB * exported / 1e6)
+    frames = sum(recipe.job.frames for recipe in missing.values())
+
+    def mean(part: Callable[[Trial], float]) -> float:
+        return sum(r.job.frames * part(nearest[i]) for i, r in missing.items()) / frames
+
+    return Forecast(
+        size=size,
+        exports=round(exported),
+        seconds=seconds / workers + EXPORT_S_PER_MB * exported / 1e6,
+        pictures=mean(lambda trial: trial.pictures),
+        labels=mean(lambda trial: trial.labels),
+        cpu_s=mean(lambda trial: trial.frame_cpu_s),
+    )
 
 
 def _sequence_bytes(trial: Trial, recipe: Recipe) -> float:
@@ -89,9 +112,17 @@ def _sequence_bytes(trial: Trial, recipe: Recipe) -> float:
     return frames + learnt * trial.pictures + SEQUENCE_BYTES
 
 
-def _export_bytes(trial: Trial, exports: Sequence[str]) -> float:
-    """Bytes of a frame in all exports: WebDataset repeats pictures and labels, Parquet pictures."""
-    repeated = {"webdataset": trial.pictures + trial.labels, "parquet": trial.pictures}
+def _export_bytes(trial: Trial, recipe: Recipe, exports: Sequence[str]) -> float:
+    """Bytes of a frame in all exports.
+
+    WebDataset repeats pictures and labels, Parquet and Middlebury pictures; YOLO links them.
+    """
+    width, height = recipe.settings.size_px or OWN_SIZE
+    repeated = {
+        "webdataset": trial.pictures + trial.labels,
+        "parquet": trial.pictures,
+        "middlebury": trial.pictures + PFM_BYTES * width * height,
+    }
     return sum(EXPORT_FRAME_BYTES[name] + repeated.get(name, 0.0) for name in exports)
 
 
@@ -136,27 +167,33 @@ def _try_sequence(recipe: Recipe) -> Trial | None:
     try:
         with TemporaryDirectory() as name, Simulation(recipe.performance()) as simulation:
             sizes = []
+            # Flow is of two frames that follow each other; other labels need one.
+            span = 1 + ("flow" in recipe.settings.labels)
             for index in (recipe.job.frames // 4, 3 * recipe.job.frames // 4):
                 folder = Path(name, str(index))
                 folder.mkdir()
-                begun = time.perf_counter()
-                write_frame(simulation, folder, recipe.settings.labels, index)
-                sizes.append(_sizes(folder))
+                begun, begun_cpu = time.perf_counter(), time.process_time()
+                write_frames(simulation, folder, recipe.settings.labels, range(index, index + span))
+                ended, ended_cpu = time.perf_counter(), time.process_time()
+                sizes.append([size / span for size in _sizes(folder)])
     except InfrastructureError:
         raise
     except (BenchError, ValueError, OSError):
         return None
-    ended = time.perf_counter()
     pictures, labels = (sum(column) / len(sizes) for column in zip(*sizes, strict=True))
-    return Trial(pictures, labels, begun - started, ended - begun)
+    wall_s, cpu_s = (ended - begun) / span, (ended_cpu - begun_cpu) / span
+    return Trial(pictures, labels, begun - started, wall_s, cpu_s)
 
 
 def _sizes(folder: Path) -> tuple[int, int]:
-    """Bytes of pictures and of labels below a folder; the tables of a frame say nothing."""
+    """Bytes of pictures and of labels below a folder; the tables of a frame say nothing.
+
+    Two frames have one flow each way, more frames have nearly one each.
+    """
     pictures = labels = 0
     for path in folder.glob("*/*"):
         if path.parent.name in ("left", "right"):
             pictures += path.stat().st_size
         else:
-            labels += path.stat().st_size
+            labels += path.stat().st_size * (1 + path.parent.name.startswith("flow_"))
     return pictures, labels

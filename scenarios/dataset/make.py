@@ -31,6 +31,8 @@ from scenarios.dataset.sequence_plan import (
 from scenarios.dataset.sequence_task import SequenceTask, library_versions, make_sequences
 from scenarios.execute.executor import ClusterFault, Executor
 from scenarios.execute.place import Place, executor_at, place_of
+from scenarios.execute.software import PlugIns
+from scenarios.play.footage import plugged_motions
 from scenarios.play.recipe import Recipe
 from sim.dataset.files.layout import (
     MANIFEST,
@@ -61,7 +63,9 @@ def make_dataset(request: MakeRequest, workers: Executor | None = None) -> None:
     with only_process(out), interrupts() as arrived, arrived.raising():
         check_same_dataset(out, settings, entries)
         try:
-            own = executor_at(place, tasks_per_worker=SEQUENCES_A_WORKER)
+            motions = plugged_motions(recipe.job for recipe in recipes)
+            plug_ins = PlugIns().with_motions(motions)
+            own = executor_at(place, plug_ins, tasks_per_worker=SEQUENCES_A_WORKER)
             with own if workers is None else nullcontext(workers) as executor:
                 made_with = {
                     "renderer": _only(executor.renderers()),
@@ -133,7 +137,9 @@ def _state_expected(
     exported = f" ({decimal(expected.exports)} of it exports)" if expected.exports else ""
     print(
         f"expected: about {decimal(expected.size)}{exported} in {duration(expected.seconds)}"
-        f"{'' if place.workers else ' of one worker'}; the disk has {decimal(free)} left",
+        f"{'' if place.workers else ' of one worker'}; the disk has {decimal(free)} left\n"
+        f"a stereo frame: about {decimal(round(expected.pictures))} of pictures, "
+        f"{decimal(round(expected.labels))} of labels, {expected.cpu_s:.2f} s of a core",
         flush=True,
     )
 

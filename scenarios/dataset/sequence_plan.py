@@ -12,6 +12,7 @@ from scenarios.play.plan import PlanRequest, plan
 from scenarios.play.recipe import Recipe, SequenceSettings
 from scenarios.spec.draw import setting_of
 from scenarios.spec.names import scenario_names, suite_names
+from scenarios.spec.surroundings import NOMINAL, VARIED
 from sim.dataset.files.layout import (
     sequence_name,
 )
@@ -30,6 +31,7 @@ class MakeRequest:
     labels: SequenceSettings = field(default_factory=SequenceSettings)
     exports: tuple[str, ...] = ()
     ladder: bool = False
+    varied: bool = False
     jobs: int | None = None
     cluster: str | None = None
 
@@ -40,8 +42,17 @@ def plan_recipes(request: MakeRequest) -> list[Recipe]:
         role = pair.partition("=")[0].partition(".")[0]
         if role in ("tracker", "detector"):
             raise BenchError(f"--set {pair}: a data set has no {role}; it is for `run`")
+    if request.varied and request.ladder:
+        raise BenchError(
+            "--ladder films each sequence five times in one room, --varied none twice: leave out "
+            "one of them"
+        )
     episodes = PlanRequest(
-        request.targets, request.seeds, request.first_seed, settings=request.settings
+        request.targets,
+        request.seeds,
+        request.first_seed,
+        settings=request.settings,
+        surroundings=VARIED if request.varied else NOMINAL,
     )
     recipes = []
     for job in plan(episodes):
@@ -67,7 +78,7 @@ def repeat_command(request: MakeRequest) -> tuple[str, ...]:
     if request.labels.size_px:
         words += ["--size", "x".join(map(str, request.labels.size_px))]
     words += ["--labels", ",".join(request.labels.labels) or "none"]
-    words += ["--ladder"] * request.ladder
+    words += ["--ladder"] * request.ladder + ["--varied"] * request.varied
     for pair in request.settings:
         key, _, value = pair.partition("=")
         words += ["--set", f"{key}={Path(value).name}"]  # a value may be a file

@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, TypeVar
 
 from pjpdaf.errors import BenchError, InfrastructureError
-from pjpdaf.plugins.registry import describe_exception
+from pjpdaf.plugins.loading import describe_exception
 from reports.run.provenance import PACKAGES, versions
 from scenarios.dataset.folder import locked
 from scenarios.dataset.sequence_plan import sequence_entry

@@ -7,15 +7,11 @@ scheduler is trusted: whoever can talk to it can execute code on workers and on 
 from __future__ import annotations
 
 import functools
-import logging
 import os
 import pickle
 import queue
-import signal
-import threading
 import time
 import uuid
-import warnings
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
@@ -23,13 +19,19 @@ from typing import Any, TypeVar
 
 import distributed
 from distributed.client import FutureCancelledError
-from distributed.versions import VersionMismatchWarning
 from rich.console import Console
 
 from pjpdaf import entry
 from pjpdaf.errors import BenchError, InfrastructureError
 from pjpdaf.printable import printable
-from scenarios.execute.cluster_worker import Parcel, Reply, Sender, packed
+from scenarios.execute.cluster_worker import Parcel, Reply, Sender, do_nothing, packed
+from scenarios.execute.dask_client import (
+    END_S,
+    client_of,
+    local_cluster,
+    silent_loggers,
+    within,
+)
 from scenarios.execute.executor import ClusterFault, Executor
 from scenarios.execute.place import EXTRA, Place
 from scenarios.execute.software import PlugIns, software
@@ -37,20 +39,16 @@ from sim.processes import (
     ATTEMPTS,
     POLL_S,
     SELF_TEST_LIMIT_S,
-    WORKER_ENVIRONMENT,
     Answer,
     Lost,
     describe_renderer,
     renderer_fault,
 )
-from sim.worker_server import TERMINAL_SIGNALS
 
 WORKER_WAIT_VARIABLE = "PJPDAF_BENCH_WORKER_WAIT_S"
 WORKER_WAIT_S = 60.0  # for a first worker; and for another one, where the last has gone
-CONNECT_S = 15.0
 ASK_EVERY_S = 5.0  # whether scheduler and workers are still there
 ANSWER_S = 60.0  # for the scheduler to answer
-END_S = 10.0  # for workers to hear of an end
 START_S = 300.0  # for a worker to start an isolated process and to import what it needs
 BATCH = 100  # tasks in one message
 AHEAD = 32  # tasks that wait at the scheduler, beside two for each thread of a worker
@@ -70,11 +68,11 @@ def cluster_executor(
     """
     wait_s = worker_wait_s()
     with ExitStack() as opened:
-        opened.enter_context(_silent_loggers())
+        opened.enter_context(silent_loggers())
         address: Any = place.scheduler
         if address == "local":
-            address = opened.enter_context(_local_cluster(place.workers))
-        client = opened.enter_context(_client(address))
+            address = opened.enter_context(local_cluster(place.workers))
+        client = opened.enter_context(client_of(address))
         executor = ClusterExecutor(client, plug_ins, tasks_per_worker, wait_s)
         opened.callback(executor.close)
         executor.check_workers()
@@ -118,8 +116,7 @@ class ClusterExecutor:
                 while waiting and len(flying) < 2 * self._threads + AHEAD:
                     indices = [waiting.popleft() for _ in range(min(BATCH, len(waiting)))]
                     parcels = [
-                        self._parcel(run, packed(function, tasks[i]), limit_s, attempts)
-                        for i in indices
+                        self._parcel(run, function, tasks[i], limit_s, attempts) for i in indices
                     ]
                     submitted = self._submit(run, indices, parcels)
                     for index, future in zip(indices, submitted, strict=True):
@@ -139,7 +136,7 @@ class ClusterExecutor:
         Raises InfrastructureError without any, BenchError for other software.
         """
         self._wait_for_workers()
-        for worker, outcome in self._ask_all(_nothing, 1.0).items():
+        for worker, outcome in self._ask_all(do_nothing, 1.0).items():
             if isinstance(outcome, Lost):
                 raise InfrastructureError(f"worker {worker}: cannot start a process of its own")
 
@@ -159,12 +156,14 @@ class ClusterExecutor:
         """Leave the cluster: its tasks of ours are ended."""
         if self._client.status == "running":
             with suppress(Exception):
-                _within(END_S, lambda: self._client.close(timeout=END_S))
+                within(END_S, lambda: self._client.close(timeout=END_S))
 
-    def _parcel(self, run: str, work: bytes, limit_s: float, attempts: int) -> bytes:
-        return pickle.dumps(
-            Parcel(run, work, self._sender, limit_s, attempts, self._tasks_per_worker)
-        )
+    def _parcel(
+        self, run: str, function: Callable[[T], R], task: T, limit_s: float, attempts: int
+    ) -> bytes:
+        module, work = function.__module__, packed(function, task)
+        per_worker = self._tasks_per_worker
+        return pickle.dumps(Parcel(run, module, work, self._sender, limit_s, attempts, per_worker))
 
     def _submit(self, run: str, indices: Sequence[int], parcels: Sequence[bytes]) -> Any:
         keys = [f"pjpdaf-{run}-{index}" for index in indices]
@@ -233,13 +232,13 @@ class ClusterExecutor:
         self, function: Callable[[None], R], limit_s: float
     ) -> dict[str, Answer[R] | Lost]:
         """The outcome of `function(None)` on each worker that lives. Raises BenchError."""
-        parcel = self._parcel("", packed(function, None), limit_s, ATTEMPTS)
+        parcel = self._parcel("", function, None, limit_s, ATTEMPTS)
         ask = functools.partial(
             self._client.run, entry.call_aside, _WORKER, "perform", parcel, on_error="return"
         )
         try:
             with self._faults():
-                replies = _within(START_S + limit_s, ask)
+                replies = within(START_S + limit_s, ask)
         except TimeoutError:
             raise InfrastructureError(
                 f"a worker of {self._address} gives no answer within {START_S + limit_s:g} s"
@@ -260,11 +259,11 @@ class ClusterExecutor:
         if self._client.status != "running":
             return
         with suppress(Exception):
-            _within(END_S, lambda: self._client.cancel(futures, force=True))
+            within(END_S, lambda: self._client.cancel(futures, force=True))
             tell = functools.partial(
                 self._client.run, entry.call, _WORKER, "end_run", run, on_error="ignore"
             )
-            _within(END_S, tell)
+            within(END_S, tell)
 
     @contextmanager
     def _faults(self) -> Iterator[None]:
@@ -319,10 +318,6 @@ def _fault_of_worker(worker: str, fault: Exception) -> BenchError:
     )
 
 
-def _nothing(_: None) -> None:
-    """A task that shows that a worker works."""
-
-
 def _drained(ended: queue.SimpleQueue[Any], wait_s: float) -> list[Any]:
     """All that is in a queue; waits for the first."""
     found = []
@@ -331,81 +326,3 @@ def _drained(ended: queue.SimpleQueue[Any], wait_s: float) -> list[Any]:
         while True:
             found.append(ended.get_nowait())
     return found
-
-
-def _within(limit_s: float, function: Callable[[], R]) -> R:
-    """The value of a call that Dask would wait for without an end.
-
-    Raises TimeoutError, then it goes on in its thread; and what the function raises.
-    """
-    answers: queue.SimpleQueue[Any] = queue.SimpleQueue()
-
-    def call() -> None:
-        try:
-            answers.put((function(), None))
-        except Exception as fault:
-            answers.put((None, fault))
-
-    threading.Thread(target=call, daemon=True).start()
-    try:
-        value, fault = answers.get(timeout=limit_s)
-    except queue.Empty:
-        raise TimeoutError from None
-    if fault is not None:
-        raise fault
-    answer: R = value
-    return answer
-
-
-@contextmanager
-def _client(address: Any) -> Iterator[Any]:
-    """A client of a scheduler. Raises InfrastructureError where none answers."""
-    try:
-        with warnings.catch_warnings():
-            # We compare versions ourselves, and refuse.
-            warnings.simplefilter("ignore", VersionMismatchWarning)
-            client = distributed.Client(address, timeout=CONNECT_S, set_as_default=False)
-    except Exception as fault:  # of sockets, TLS, another program's answer
-        reason = printable(str(fault)) or type(fault).__name__
-        raise InfrastructureError(f"no Dask scheduler answers at {address}: {reason}") from None
-    try:
-        yield client
-    finally:
-        with suppress(Exception):
-            _within(END_S, lambda: client.close(timeout=END_S))
-
-
-@contextmanager
-def _local_cluster(workers: int) -> Iterator[Any]:
-    """A scheduler in this process and worker processes of one thread each."""
-    for name, value in WORKER_ENVIRONMENT.items():
-        os.environ.setdefault(name, value)
-    # Inherited by Dask's threads, and by the processes that these start: see `sim.processes`.
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, TERMINAL_SIGNALS)
-    try:
-        cluster = distributed.LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            processes=True,
-            memory_limit=0,  # the Dask worker is small; our isolated processes are none of its
-            dashboard_address="127.0.0.1:0",
-            silence_logs=logging.CRITICAL,
-        )
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-    try:
-        yield cluster
-    finally:
-        with suppress(Exception):
-            _within(2 * END_S, lambda: cluster.close(timeout=END_S))
-
-
-@contextmanager
-def _silent_loggers() -> Iterator[None]:
-    """Keep Dask's own lines from standard error: each of its faults becomes one of ours."""
-    before = logging.root.manager.disable
-    logging.disable(logging.CRITICAL)  # ours are none
-    try:
-        yield
-    finally:
-        logging.disable(before)

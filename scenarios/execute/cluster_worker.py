@@ -38,11 +38,13 @@ class Sender:
 class Parcel:
     """A task on its way to a worker.
 
-    run: name of the batch that it belongs to; work: function and argument, pickled; sender:
-    pickled; limit_s, attempts: as of `Executor.outcomes`; tasks_per_worker: as of `WorkerPool`.
+    run: name of the batch that it belongs to; module: of the function; work: function and argument,
+    pickled; sender: pickled; limit_s, attempts: as of `Executor.outcomes`; tasks_per_worker: as of
+    `WorkerPool`.
     """
 
     run: str
+    module: str
     work: bytes
     sender: bytes
     limit_s: float
@@ -69,12 +71,16 @@ def packed(function: Callable[[Any], Any], task: Any) -> bytes:
 def perform(parcel: bytes) -> Answer[Reply] | Lost | None:
     """Perform a pickled parcel in an isolated process; None where its batch was ended."""
     task: Parcel = pickle.loads(parcel)
-    with _POOLS.leased(task.tasks_per_worker) as pool:
+    modules = (task.module,) if task.sender in _equal else ()  # else it may lack a library
+    with _POOLS.leased(task.tasks_per_worker, modules) as pool:
         tasks: Mapping[int, Any] = {0: _Delivered(task)}
         outcomes = pool.outcomes(_reply, tasks, task.limit_s, task.attempts)
         for outcome in outcomes:
             if outcome is not None:
-                return outcome[1]
+                answer = outcome[1]
+                if isinstance(answer, Answer) and answer.value.kind != "refused":
+                    _equal.add(task.sender)
+                return answer
             if task.run in _ended:
                 pool.close()
                 return None
@@ -86,7 +92,12 @@ def end_run(run: str) -> None:
     _ended.add(run)
 
 
+def do_nothing(_: None) -> None:
+    """A task that shows that a worker works."""
+
+
 _ended: set[str] = set()
+_equal: set[bytes] = set()  # senders whose software is that of this worker
 
 
 class _Delivered:
@@ -155,9 +166,10 @@ class _Pools:
         self._reaper: threading.Thread | None = None
 
     @contextmanager
-    def leased(self, tasks_per_worker: int) -> Iterator[WorkerPool]:
-        """A pool that nobody else uses, until the block ends."""
+    def leased(self, tasks_per_worker: int, modules: tuple[str, ...]) -> Iterator[WorkerPool]:
+        """A pool that nobody else uses, until the block ends. modules: as of `WorkerPool`."""
         pool = self._taken(tasks_per_worker)
+        pool.modules = modules
         try:
             yield pool
         finally:

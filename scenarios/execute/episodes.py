@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from pjpdaf.errors import BenchError, InfrastructureError, PlugInFault
-from pjpdaf.plugins.registry import describe_exception
+from pjpdaf.plugins.loading import describe_exception
 from reports.run.films import FilmShelf
 from reports.run.rows import EpisodeRows, rows_of
 from reports.score.records import EpisodeFailure, FailureKind

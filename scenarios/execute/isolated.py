@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, TypeVar
 
 from pjpdaf.errors import BenchError
@@ -44,16 +42,6 @@ def isolated(subject: str, limit_s: float, function: Callable[..., R], *argument
 def _call(work: tuple[Callable[..., R], tuple[Any, ...]]) -> R:
     function, arguments = work
     return function(*arguments)
-
-
-def allow_plug_ins_from_here(*names: str) -> None:
-    """Let a module:factory among `names` lie in the current folder.
-
-    The folder comes last on the path, so that it hides no library.
-    """
-    here = str(Path.cwd())
-    if any(":" in name for name in names) and here not in sys.path:
-        sys.path.append(here)
 
 
 def try_plug_ins(detector: str | None, tracker: str, limit_s: float = BUILD_LIMIT_S) -> None:

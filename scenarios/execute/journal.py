@@ -7,7 +7,7 @@ import hashlib
 import os
 import struct
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from pjpdaf.errors import BenchError
@@ -72,13 +72,8 @@ class Journal:
             folder.mkdir(parents=True, exist_ok=True)
             file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
         try:
-            try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                raise BenchError(
-                    f"{folder}: another process is writing there; wait for it, or give another "
-                    "folder."
-                ) from None
+            with disk_faults(path, "the journal"):
+                _lock(file, fcntl.LOCK_EX, folder)
             journal = Journal(path, file)
             journal._read(identity)
             yield journal
@@ -98,14 +93,8 @@ class Journal:
         except OSError as error:
             raise BenchError(f"{path}: cannot be read: {error.strerror or error}") from error
         try:
-            try:
-                fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-            except BlockingIOError:
-                raise BenchError(
-                    f"{folder}: another process is writing there; wait for it"
-                ) from None
-            except OSError:
-                pass  # a disk without locks
+            with suppress(OSError):  # a disk without locks
+                _lock(file, fcntl.LOCK_SH, folder)
             journal = Journal(path, file)
             _, owner = journal._index()
             yield owner, journal.finished
@@ -192,6 +181,20 @@ class Journal:
                 return offset + at
             offset += step
         return size
+
+
+def _lock(file: int, kind: int, folder: Path) -> None:
+    """Lock the open journal of a folder until it is closed.
+
+    kind: LOCK_SH or LOCK_EX. Raises BenchError where another process has it, OSError on a disk
+    without locks.
+    """
+    try:
+        fcntl.flock(file, kind | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise BenchError(
+            f"{folder}: another process is writing there; wait for it, or give another folder."
+        ) from None
 
 
 def _checksum(name: bytes, payload: bytes) -> bytes:

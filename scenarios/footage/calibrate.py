@@ -21,6 +21,7 @@ from pjpdaf.sources import PicturePair, open_source, picture_pairs
 from pjpdaf.stereo_solver import LENS_FLAGS
 from reports.summary.plain_table import plain_table
 from scenarios.console.folder import written_whole
+from scenarios.console.lines import print_line
 from scenarios.console.progress import progress
 from scenarios.console.tables import print_table
 from sim.steps import counted
@@ -55,7 +56,7 @@ def calibrate(request: CalibrateRequest) -> None:
         pairs = picture_pairs(
             request.left,
             request.right,
-            lambda message: console.print(message, markup=False, highlight=False, soft_wrap=True),
+            lambda message: print_line(message, console),
             request.shortest,
             request.layout,
         )
@@ -128,4 +129,4 @@ def _print(report: CalibrationReport, out: Console, folder: Path, names: list[Pa
     doubt = view_order_doubt(rig)
     lines += [f"warning: {doubt}."] if doubt else []
     for line in lines:
-        out.print(line, markup=False, highlight=False, soft_wrap=True)
+        print_line(line, out)

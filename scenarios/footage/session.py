@@ -18,6 +18,7 @@ from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import AnyTracker, Detector
 from pjpdaf.layouts import Layout
 from pjpdaf.picture_files import is_grey, stored_fault
+from pjpdaf.plugins.loading import allow_plug_ins_from_here
 from pjpdaf.plugins.registry import make_detector, make_tracker
 from pjpdaf.presets.flat import flat_values
 from pjpdaf.presets.override import override
@@ -29,7 +30,6 @@ from pjpdaf.sources import (
     picture_pairs,
     stereo_frames,
 )
-from scenarios.execute.isolated import allow_plug_ins_from_here
 from scenarios.footage.skin_sample import skin_of_sample
 from scenarios.play.lag import check_lag, check_smoother
 from scenarios.play.settings import read_settings

@@ -22,6 +22,7 @@ from reports.pictures.overlay import encode_jpeg, overlay_picture
 from reports.summary.text import count
 from scenarios.console.folder import written_whole
 from scenarios.console.interrupts import Interrupted, Interrupts, interrupts
+from scenarios.console.lines import print_line
 from scenarios.console.progress import progress
 from scenarios.console.tables import print_table
 from scenarios.footage.learning import learn_scene
@@ -39,7 +40,7 @@ def track(request: TrackRequest) -> None:
     console = Console(stderr=True)
 
     def warn(message: str) -> None:
-        console.print(message, markup=False, highlight=False, soft_wrap=True)
+        print_line(message, console)
 
     with written_whole(request.out) as part:
         session = prepare_session(request, warn)
@@ -54,13 +55,14 @@ def track(request: TrackRequest) -> None:
     out = Console()
     print_table(status_table(record), out)
     for line in (
-        f"{record.frames} stereo frames, {record.seconds:.1f} s, "
-        f"{count(record.missing_pictures, 'picture')} missing. {record.verdict()}",
+        f"{count(record.frames, 'stereo frame')}, {record.seconds:.1f} s, "
+        f"{count(record.missing_pictures, 'picture')} missing",
+        record.verdict(),
         f"tracks: {request.out / 'tracks.csv'}",
         f"film:   {request.out / film.name}" if film else "film:   none",
         f"report: {request.out / 'report.html'}",
     ):
-        out.print(line, markup=False, highlight=False, soft_wrap=True)
+        print_line(line, out)
     kept = f"the first {count(record.frames, 'frame')} are saved in {request.out}"
     if fault is not None:
         raise fault.reworded(f"{str(fault).rstrip('.')}; {kept}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Protocol
@@ -16,6 +16,7 @@ from scenarios.cache.store import FootageCache
 from scenarios.play.job import Job, digest_of
 from scenarios.play.recipe import sized
 from scenarios.spec.draw import perform
+from scenarios.spec.motion.plugged import PluggedMotion
 from sim.dataset.stored_sequence import StoredSequence
 from sim.recording.recorder import RecordedSimulation
 from sim.script import Performance
@@ -99,9 +100,23 @@ def open_footage(job: Job) -> Iterator[Footage]:
 
 
 def footage_cache(job: Job) -> FootageCache | None:
-    """The cache that a job's pictures come from and go to, None where it uses none."""
-    settings = cache_settings() if job.use_cache and job.kept is None else None
+    """The cache that a job's pictures come from and go to, None where it uses none.
+
+    A plug-in's motion uses none: no key can know all the code that it runs.
+    """
+    used = job.use_cache and job.kept is None and not is_plugged_motion(job)
+    settings = cache_settings() if used else None
     return None if settings is None else FootageCache(settings)
+
+
+def is_plugged_motion(job: Job) -> bool:
+    """Whether a plug-in plays the motion of a job that is rendered."""
+    return job.kept is None and isinstance(job.scenario.motion, PluggedMotion)
+
+
+def plugged_motions(jobs: Iterable[Job]) -> set[str]:
+    """Names of the plug-ins that play the motions of jobs."""
+    return {job.scenario.motion.kind for job in jobs if is_plugged_motion(job)}
 
 
 def key_of(job: Job) -> FootageKey:

@@ -13,11 +13,13 @@ from scenarios.play.from_dataset import jobs_of_dataset, open_with_sequences
 from scenarios.play.job import Job, System
 from scenarios.play.lag import check_lag, make_lagged
 from scenarios.play.settings import Settings, read_settings
-from scenarios.play.targets import PlannedScenario, expand_target
+from scenarios.play.targets import PlannedScenario, expand_target, in_rooms
 from scenarios.spec.cameras import rig_of
 from scenarios.spec.draw import SETTINGS, concrete, in_si, perform, setting_of
+from scenarios.spec.motion.script import ScriptMotion
 from scenarios.spec.parameters.file import File
 from scenarios.spec.suggestion import suggestion
+from scenarios.spec.surroundings import NOMINAL
 from sim.contact.contact import Unposable
 from sim.scene.rig import stereo_rig
 
@@ -35,7 +37,8 @@ class PlanRequest:
     frames of each scenario's first seed; keep_films: of every episode; dataset: folder of a data
     set whose sequences, those of the seeds, are read instead of rendering `targets`; detections:
     file or folder of 2-D detections of that data set, in place of a detector; use_cache: pictures
-    may come from the cache; lag: frames by which estimates come later.
+    may come from the cache; lag: frames by which estimates come later; surroundings: varied plays
+    every scenario in rooms of its own.
     """
 
     targets: tuple[str, ...] = ()
@@ -51,6 +54,7 @@ class PlanRequest:
     detections: Path | None = None
     lag: int = 0
     use_cache: bool = True
+    surroundings: str = NOMINAL
 
 
 def plan(request: PlanRequest) -> list[Job]:
@@ -75,7 +79,12 @@ def plan(request: PlanRequest) -> list[Job]:
     if request.dataset is not None:
         return _plan_of_dataset(request, request.dataset, settings, system)
     scenarios = _selected(
-        [planned for target in request.targets for planned in expand_target(target)], request.only
+        [
+            in_rooms(planned, request.surroundings)
+            for target in request.targets
+            for planned in expand_target(target)
+        ],
+        request.only,
     )
     labels = [planned.label for planned in scenarios]
     for label in labels:
@@ -153,7 +162,8 @@ def _selected(scenarios: list[PlannedScenario], only: Sequence[str]) -> list[Pla
 def check_job(job: Job) -> None:
     """Raise BenchError where scenario, values, detector or tracker of a job do not fit together.
 
-    Whether the motion can be posed is left to the worker, except for a motion read from a file.
+    Whether the motion can be posed is left to the worker, except for a motion read from a file, and
+    for a script: raises Unposable where this seed has no draw that can be played.
     """
     values = in_si(job.scenario, concrete(job.scenario, job.seed, job.overrides))
     cameras = stereo_rig(rig_of(values)).cameras
@@ -161,6 +171,8 @@ def check_job(job: Job) -> None:
     make_lagged(job.system, cameras)
     for setting in SETTINGS:
         setting_of(job.scenario, job.overrides, setting)
+    if isinstance(job.scenario.motion, ScriptMotion):
+        perform(job.scenario, job.seed, job.overrides)
     if any(isinstance(p, File) for p in job.scenario.parameters.values()):
         with suppress(Unposable):  # of this seed alone; it becomes a failed episode
             perform(job.scenario, job.seed, job.overrides)

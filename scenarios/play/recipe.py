@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +11,14 @@ from pydantic import ValidationError
 
 from pjpdaf.errors import BenchError
 from scenarios.play.job import Job, System, digest_of
-from scenarios.spec.draw import concrete, perform
+from scenarios.spec.draw import concrete, in_si, perform, scene_of
 from scenarios.spec.names import load_scenario, scenario_names
 from scenarios.spec.parameters.file import File, FileText, file_named
 from scenarios.spec.scenario import Scenario, digest
 from scenarios.spec.suggestion import suggestion
-from sim.dataset.files.layout import DEFAULT_LABELS, LABELS
+from sim.dataset.files.layout import DEFAULT_LABELS, LABELS, TRAINING_LABELS
 from sim.motion.stage import Value
+from sim.scene.identity import identity_of
 from sim.script import Performance
 from sim.specs import RigSpec
 
@@ -61,9 +62,13 @@ class Recipe:
         return files_of(self.job)
 
     def record(self, redrawn: int) -> dict[str, Any]:
-        """The content of recipe.json. redrawn: as the performance says."""
+        """The content of recipe.json. redrawn: as the performance says.
+
+        identity: digests of room, body and rig, whatever the size of the pictures.
+        """
         job = self.job
         values = concrete(job.scenario, job.seed, job.overrides, redrawn)
+        scene = scene_of(job.scenario, in_si(job.scenario, values))
         return {
             "kind": KIND,
             "schema": SCHEMA_VERSION,
@@ -85,6 +90,7 @@ class Recipe:
                 name: value if isinstance(value, int | float) else str(value)
                 for name, value in values.items()
             },
+            "identity": asdict(identity_of(scene)),
             "settings": self.settings.record(),
             "made_with": dict(self.made_with),
         }
@@ -178,7 +184,7 @@ def performance_from_recipe(record: Mapping[str, Any], folder: Path) -> Performa
 
 
 def parse_labels(words: str) -> tuple[str, ...]:
-    """The labels of a text such as "depth,seg", in the order of LABELS; "all", "none".
+    """The labels of a text such as "depth,seg", in the order of LABELS; "training", "all", "none".
 
     Raises BenchError for an unknown one.
     """
@@ -187,6 +193,8 @@ def parse_labels(words: str) -> tuple[str, ...]:
         return tuple(LABELS)
     if named == ["none"]:
         return ()
+    if named == ["training"]:
+        return TRAINING_LABELS
     return checked_labels(named, "--labels")
 
 
@@ -194,7 +202,7 @@ def checked_labels(named: Collection[str], where: str) -> tuple[str, ...]:
     """The labels in the order of LABELS. Raises BenchError for an unknown one."""
     for name in named:
         if name not in LABELS:
-            hint = suggestion(name, (*LABELS, "all", "none"))
+            hint = suggestion(name, (*LABELS, "training", "all", "none"))
             raise BenchError(f"{where} {name[:40]}: no such label{hint}")
     return tuple(name for name in LABELS if name in named)
 
@@ -271,7 +279,8 @@ def _scenario(record: Mapping[str, Any], clips: Mapping[str, FileText], path: Pa
         )
     except ValidationError as fault:
         first = fault.errors()[0]
-        at = ".".join(str(part) for part in first["loc"])
+        # Names with a space are no fields, but tell which kind of motion or parameter it is.
+        at = ".".join(str(part) for part in first["loc"] if " " not in str(part))
         raise BenchError(f"{path}: scenario.{at}: {first['msg']}") from None
     if digest(scenario) != wanted:
         raise BenchError(

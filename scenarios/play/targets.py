@@ -10,8 +10,9 @@ from scenarios.play.job import Job, System, digest_of
 from scenarios.spec.corpus_case import CorpusEntry
 from scenarios.spec.draw import SETTINGS
 from scenarios.spec.names import resolve, scenarios_of
-from scenarios.spec.scenario import Scenario
+from scenarios.spec.scenario import Scenario, in_varied_surroundings
 from scenarios.spec.suite import Suite, SuiteEntry
+from scenarios.spec.surroundings import VARIED
 from sim.motion.stage import Value
 
 SCENARIO_SEEDS = 10  # of a scenario that is named without a suite
@@ -49,16 +50,25 @@ def expand_target(target: str) -> list[PlannedScenario]:
     if isinstance(named, Suite):
         refuse_changed(named)
         return expand_suite(named)
-    return _at_rates(PlannedScenario(named, {}, SCENARIO_SEEDS, named.name))
+    planned = PlannedScenario(named, {}, SCENARIO_SEEDS, named.name)
+    return [in_rooms(one, named.surroundings) for one in _at_rates(planned)]
 
 
 def expand_suite(suite: Suite) -> list[PlannedScenario]:
     """The scenarios of a suite in its order. Raises BenchError for an unknown scenario."""
     return [
-        planned
+        in_rooms(planned, suite.surroundings)
         for entry, scenario in scenarios_of(suite)
         for planned in _at_rates(_planned(suite, entry, scenario))
     ]
+
+
+def in_rooms(planned: PlannedScenario, surroundings: str) -> PlannedScenario:
+    """The scenario in rooms of its label's own where it, or `surroundings`, is varied."""
+    if VARIED not in (surroundings, planned.scenario.surroundings):
+        return planned
+    rooms = planned.scenario.rooms or planned.label
+    return replace(planned, scenario=in_varied_surroundings(planned.scenario, rooms))
 
 
 def _planned(suite: Suite, entry: SuiteEntry, scenario: Scenario) -> PlannedScenario:

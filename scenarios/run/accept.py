@@ -16,6 +16,7 @@ from reports.gate.verdict import Verdict
 from reports.run.load import SavedRun, load
 from reports.run.save import save_slim
 from reports.summary.text import count
+from scenarios.console.lines import print_line
 from scenarios.console.tables import print_table
 from scenarios.run.compare import verdict_table
 
@@ -49,7 +50,7 @@ def accept_baseline(request: AcceptRequest) -> None:
     size = sum(path.stat().st_size for path in out.iterdir())
     lines = [f"accepted: {out} ({_contents(run)}, {decimal(size)}); commit it", *_doubts(run)]
     for line in lines:
-        console.print(line, highlight=False, markup=False, soft_wrap=True)
+        print_line(line, console)
 
 
 def _name(run: SavedRun) -> str:
@@ -70,11 +71,11 @@ def _print_changes(console: Console, before: SavedRun, run: SavedRun) -> None:
         verdict = compare(before, run)
     except NotComparable as reason:
         line = f"other episodes than before ({_contents(before)}): {reason}"
-        console.print(line, highlight=False, markup=False, soft_wrap=True)
+        print_line(line, console)
         return
     if not verdict.identical:
         print_table(verdict_table(verdict), console)
-    console.print(_change(verdict), highlight=False, markup=False, soft_wrap=True)
+    print_line(_change(verdict), console)
 
 
 def _change(verdict: Verdict) -> str:

@@ -23,13 +23,14 @@ from reports.gate.text import (
     interval_text,
     number,
     outcome_text,
+    verdict_sentence,
 )
 from reports.gate.verdict import MetricVerdict, Verdict
 from reports.run.load import SavedRun, load
 from reports.run.provenance import provenance
 from reports.summary.plain_table import plain_table
-from reports.summary.text import count
 from scenarios.console.interrupts import interrupts
+from scenarios.console.lines import print_command, print_line
 from scenarios.console.progress import progress
 from scenarios.console.tables import print_table
 from scenarios.run.margins import load_margins, read_margins
@@ -81,20 +82,17 @@ def compare_runs(request: CompareRequest) -> int:
     console = Console()
     print_table(verdict_table(verdict), console)
     for text in filter(None, map(cap_text, verdict.metrics)):
-        console.print(f"* {text}", highlight=False, markup=False, soft_wrap=True)
+        print_line(f"* {text}", console)
     for note in verdict.notes:
-        console.print(f"note: {note}", highlight=False, markup=False, soft_wrap=True)
-    console.print(sentence(verdict), style=STYLES[verdict.verdict], highlight=False, soft_wrap=True)
+        print_line(f"note: {note}", console)
+    print_line(sentence(verdict), console, STYLES[verdict.verdict])
     if verdict.advice is not None and verdict.verdict == "inconclusive":
         advice = verdict.advice
-        for line in (*advice_lines(advice), *(f"  {command}" for command in advice.commands)):
-            console.print(line, highlight=False, markup=False, soft_wrap=True)
-    console.print(
-        f"written: {', '.join(str(out / name) for name in FILES)}",
-        highlight=False,
-        markup=False,
-        soft_wrap=True,
-    )
+        for line in advice_lines(advice):
+            print_line(line, console)
+        for command in advice.commands:
+            print_command(f"  {command}", console)
+    print_line(f"written: {', '.join(str(out / name) for name in FILES)}", console)
     if refused:
         sys.stderr.write(f"pjpdaf-bench: {refused}\n")
     return EXIT_CODES[verdict.verdict]
@@ -152,14 +150,8 @@ def write_verdict(verdict: Verdict, folder: Path, argv: tuple[str, ...] = ()) ->
 
 
 def sentence(verdict: Verdict) -> str:
-    """The outcome in one line."""
-    if verdict.identical:
-        return f"pass: all {count(verdict.episodes, 'episode')} gave the same results, bit for bit"
-    words = [m.metric.name for m in verdict.metrics if m.verdict == verdict.verdict]
-    if verdict.verdict == "pass":
-        episodes = count(verdict.episodes, "episode")
-        return f"pass: no metric is worse by more than its margin ({episodes})"
-    return f"{verdict.verdict}: {', '.join(words)} ({count(verdict.episodes, 'paired episode')})"
+    """The outcome in one line, for the terminal."""
+    return verdict_sentence(verdict, verdict.verdict, lambda metric: metric.name)
 
 
 def verdict_table(verdict: Verdict) -> Table:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from pjpdaf.errors import BenchError
+from pjpdaf.plugins.loading import allow_plug_ins_from_here
 from pjpdaf.presets.registry import PRESETS
 from reports.gate.gate import compare
 from reports.gate.pairing import joined, measured
@@ -23,7 +24,6 @@ from reports.run.rows import EpisodeRows
 from reports.run.tables import tables_of
 from scenarios.execute.episodes import PlayResults, play_all
 from scenarios.execute.executor import Executor
-from scenarios.execute.isolated import allow_plug_ins_from_here
 from scenarios.play.job import Job, digest_of
 from scenarios.play.plan import PlanRequest, plan
 from scenarios.run.save_run import save_run

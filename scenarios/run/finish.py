@@ -17,9 +17,11 @@ from reports.summary.text import count
 from scenarios.cache.report import origin_line
 from scenarios.cache.settings import cache_settings
 from scenarios.console.interrupts import Interrupted, Interrupts
+from scenarios.console.lines import print_line
 from scenarios.console.progress import progress
 from scenarios.console.tables import print_table
 from scenarios.execute.episodes import PlayResults
+from scenarios.play.footage import is_plugged_motion
 from scenarios.run.corpus_verdict import (
     CaseOutcome,
     outcomes_of,
@@ -90,32 +92,25 @@ def _print_results(
     table = target_table if request.by_target else scenario_table
     print_table(table(summarise(saved)), out)
     for line in blame_lines(saved.events):
-        out.print(f"to blame for {line}", highlight=False)
+        print_line(f"to blame for {line}", out)
     if (budget := budget_of(saved)) is not None:
-        out.print(budget_line(budget), highlight=False)
+        print_line(budget_line(budget), out)
     frames = sum(row.frame_count for row in played.rows)
-    out.print(
-        f"{count(len(played.rows), 'episode')}, {count(frames, 'stereo frame')} {how}",
-        highlight=False,
-        soft_wrap=True,
-    )
+    print_line(f"{count(len(played.rows), 'episode')}, {count(frames, 'stereo frame')} {how}", out)
     if len(played.renderers) > 1:
         listed = "; ".join(sorted(played.renderers))
-        out.print(
-            f"the renderer differs among the workers, and so do pixels: {listed}",
-            highlight=False,
-            soft_wrap=True,
-        )
+        print_line(f"the renderer differs among the workers, and so do pixels: {listed}", out)
     cached = request.plan.use_cache and request.plan.dataset is None and cached_here
     settings = cache_settings() if cached else None
-    if origin := origin_line(played.rows, settings):
-        out.print(origin, highlight=False, soft_wrap=True)
+    plugged = sum(is_plugged_motion(job) for job in run.jobs)
+    if origin := origin_line(played.rows, settings, plugged):
+        print_line(origin, out)
     for line in verdict_lines(corpus):
-        out.print(line, highlight=False, soft_wrap=True)
+        print_line(line, out)
     if request.slim:
-        out.print(f"slim run: {run.shown}", highlight=False, soft_wrap=True)
+        print_line(f"slim run: {run.shown}", out)
     else:
-        out.print(f"report: {run.shown / 'report.html'}", highlight=False, soft_wrap=True)
+        print_line(f"report: {run.shown / 'report.html'}", out)
 
 
 def refuse_failures(played: PlayResults) -> None:

@@ -164,15 +164,17 @@ def _check_whole(parts: Sequence[_Part], jobs: Sequence[Job], rows: Mapping[int,
     missing = [number for number in range(len(jobs)) if number not in rows]
     if not missing:
         return
+    lost = count(len(missing), "episode")
     split = parts[0].shard.count
     given = {part.shard.index: part.folder for part in parts}
     absent = sorted({number % split + 1 for number in missing} - {*given})
     if absent:
         named = ", ".join(f"{index}/{split}" for index in absent[:10])
         more = f" and {len(absent) - 10} more" if len(absent) > 10 else ""
-        raise BenchError(f"shard {named}{more} is missing: {len(missing)} episodes are not there")
+        are = "shard {} is" if len(absent) == 1 else "shards {} are"
+        raise BenchError(f"{are.format(named + more)} missing, with {lost}; name all shards")
     first = missing[0]
     raise BenchError(
-        f"{given[first % split + 1]}: is not finished: {jobs[first].name} seed {jobs[first].seed} "
-        f"and {len(missing) - 1} more episodes are missing; give its command once more"
+        f"{given[first % split + 1]}: is not finished: {lost} missing, the first "
+        f"{jobs[first].name} seed {jobs[first].seed}; give its command once more"
     )

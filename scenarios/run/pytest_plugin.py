@@ -162,7 +162,7 @@ def _faults_fail() -> Iterator[None]:
 
 
 def _allow_plug_ins(request: PlanRequest) -> None:
-    from scenarios.execute.isolated import allow_plug_ins_from_here
+    from pjpdaf.plugins.loading import allow_plug_ins_from_here
 
     allow_plug_ins_from_here(request.detector, request.tracker)
 
@@ -178,6 +178,7 @@ def _play_and_save(
     from scenarios.cache.settings import cache_settings
     from scenarios.execute.episodes import play_all
     from scenarios.execute.local import local_executor, worker_count
+    from scenarios.play.footage import is_plugged_motion
     from scenarios.run.finish import refuse_failures
     from scenarios.run.save_run import save_run
 
@@ -187,7 +188,8 @@ def _play_and_save(
         raise KeyboardInterrupt
     refuse_failures(played)
     saved = save_run(request, jobs, played, folder, preset=preset)
-    return saved, "" if request.dataset else origin_line(played.rows, cache_settings())
+    plugged = sum(is_plugged_motion(job) for job in jobs)
+    return saved, "" if request.dataset else origin_line(played.rows, cache_settings(), plugged)
 
 
 def _report(run: BenchRun, origin: str) -> str:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from pjpdaf.errors import BenchError
+from pjpdaf.plugins.loading import allow_plug_ins_from_here
 from pjpdaf.presets.registry import find_preset
 from reports.run.rows import EpisodeRows
 from reports.summary.text import count
@@ -15,9 +16,10 @@ from scenarios.console.interrupts import Interrupts, interrupts
 from scenarios.console.progress import progress
 from scenarios.execute.episodes import PlayResults, play_all
 from scenarios.execute.executor import ClusterFault, Executor
-from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
+from scenarios.execute.isolated import try_plug_ins
 from scenarios.execute.place import Place, executor_at, place_of
 from scenarios.execute.software import PlugIns
+from scenarios.play.footage import plugged_motions
 from scenarios.play.from_dataset import open_with_sequences, renderer_of
 from scenarios.play.job import Job
 from scenarios.play.plan import plan
@@ -85,7 +87,7 @@ def play(request: RunRequest, run: UnfinishedRun, place: Place, arrived: Interru
     """Play what is not finished. Raises BenchError, ClusterFault with what is kept."""
     wanted = request.plan
     detector = wanted.detector if wanted.detections is None else None
-    plug_ins = PlugIns.named(detector, wanted.tracker)
+    plug_ins = PlugIns.named(detector, wanted.tracker).with_motions(plugged_motions(run.jobs))
     with executor_at(place, plug_ins) as executor:
         try:
             played = _play_with_progress(run, executor, request.time_limit_s, arrived)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import time
 
-from rich.console import Console
-
 from pjpdaf.errors import BenchError
 from reports.summary.text import count
 from scenarios.console.interrupts import Interrupted, interrupts
+from scenarios.console.lines import print_line
 from scenarios.execute.place import place_of
 from scenarios.run.finish import refuse_failures
 from scenarios.run.request import RunRequest, Shard
@@ -39,11 +38,9 @@ def play_shard(request: RunRequest, shard: Shard) -> None:
                 run.keep_failure(job, rows)
     frames = sum(rows.frame_count for rows in played.rows)
     kept = f"; {len(run.finished)} were there" if run.finished else ""
-    Console().print(
+    print_line(
         f"{shard}: {len(run.jobs)} of {count(len(jobs), 'episode')}, "
-        f"{count(frames, 'stereo frame')} in {time.perf_counter() - started:.0f} s ({place}){kept}",
-        highlight=False,
-        soft_wrap=True,
+        f"{count(frames, 'stereo frame')} in {time.perf_counter() - started:.0f} s ({place}){kept}"
     )
-    Console().print(f"{request.out}: for `pjpdaf-bench merge`", highlight=False, soft_wrap=True)
+    print_line(f"{request.out}: for `pjpdaf-bench merge`")
     refuse_failures(played)

@@ -25,6 +25,7 @@ Label = Annotated[str, Strict(), Field(pattern=r"^[a-z][a-z0-9_.@+-]*$", max_len
 class CorpusCase(Record):
     """A concrete scenario, how a tracker failed in it, and whether that is cured.
 
+    family, scenario: names, or the file or plug-in that they come from.
     version, digest: of the scenario, so that a scenario that has changed since is noticed; event: a
     measure of `reports.score.robustness`; rho: its value when the case was put in; status: fixed
     cases must pass with the tracker that is named, open ones may fail. settings: its changed
@@ -33,8 +34,8 @@ class CorpusCase(Record):
 
     format: Whole
     name: Label
-    family: Name
-    scenario: Name
+    family: Text
+    scenario: Text
     version: Annotated[Whole, Field(ge=1)]
     digest: Text
     seed: Annotated[Whole, Field(ge=0)]

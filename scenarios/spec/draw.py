@@ -10,26 +10,32 @@ import numpy as np
 
 from pjpdaf.errors import BenchError
 from scenarios.spec import cameras, person_and_room
+from scenarios.spec.in_view import out_of_view, sees_workspace
 from scenarios.spec.names import load_scenario
 from scenarios.spec.parameters.file import FileText
 from scenarios.spec.parameters.numeric import Numeric
 from scenarios.spec.parameters.units import UNITS
-from scenarios.spec.scenario import MAX_FRAMES, Scenario
+from scenarios.spec.scenario import MAX_FRAMES, Scenario, in_varied_surroundings
 from scenarios.spec.suggestion import suggestion
+from scenarios.spec.surroundings import PARAMETERS, RIG, VARIED, surroundings_of
+from scenarios.spec.things import off_the_table, second_person, with_clutter
 from sim.contact.contact import Unposable
-from sim.families.registry import FAMILIES
-from sim.motion.measure import fault_of
+from sim.motion.measure import MotionFault, fault_of
 from sim.motion.motion import Performer
 from sim.motion.opening import with_opening
 from sim.motion.stage import Stage, Value, Values
 from sim.randomness import generator
+from sim.scene.disturbances import together
 from sim.scene.extras import NO_EXTRAS, Extras, WithExtras
 from sim.script import Performance
 from sim.silhouettes.possible import surely_possible
 from sim.specs import SceneSpec
 
 MAX_DRAWS = 20  # of a seed, until a person can perform the motion
+MAX_RIGS = 60  # of a draw, until the varied rig sees the person: 2 in 5 do
 JUDGED_HZ, MOST_JUDGED = 6.0, 400  # rate and number of the poses by which a draw is judged
+
+_MOMENT_S = 0.2  # what is found at a moment may be the fault of the step before or after
 
 SETTINGS = ("frames", "fps", "background_frames")  # fields that `--set` may change as well
 
@@ -56,7 +62,33 @@ def concrete(
             values[name] = parameter.check(name, overrides[name])
         else:
             values[name] = parameter.quantile(_share(_stream(scenario, redraw, name), seed))
+    if scenario.surroundings == VARIED:
+        return _with_person_in_view(scenario, seed, overrides, redraw, values)
     return values
+
+
+def _with_person_in_view(
+    scenario: Scenario,
+    seed: int,
+    overrides: Mapping[str, Value],
+    redraw: int,
+    values: Mapping[str, Value],
+) -> dict[str, Value]:
+    """The values with the first of MAX_RIGS draws of the rig that sees head and hands.
+
+    So the rig has the distribution of its parameters, cut to what films the person. The first draw
+    stays where none does, as with a rig that is set by hand.
+    """
+    for number in range(MAX_RIGS):
+        drawn = dict(values)
+        if number:
+            for name in RIG:
+                if name not in overrides:
+                    stream = _stream(scenario, redraw, f"{name}/{number}")
+                    drawn[name] = scenario.parameters[name].quantile(_share(stream, seed))
+        if sees_workspace(in_si(scenario, drawn)):
+            return drawn
+    return dict(values)
 
 
 @lru_cache(maxsize=1024)
@@ -71,6 +103,8 @@ def _generator(scenario: Scenario, seed: int, redraw: int, name: str) -> np.rand
 
 def _stream(scenario: Scenario, redraw: int, name: str) -> str:
     again = f"redraw{redraw}/" if redraw else ""
+    if scenario.surroundings == VARIED and name.partition("/")[0] in PARAMETERS:
+        return f"{scenario.rooms or scenario.name}/surroundings/{again}{name}"
     return f"{scenario.stream}/{again}{name}"
 
 
@@ -96,11 +130,11 @@ def setting_of(scenario: Scenario, overrides: Mapping[str, Value], name: str) ->
 
 def scene_of(scenario: Scenario, values: Values, extras: Extras = NO_EXTRAS) -> SceneSpec:
     """Build the scene of concrete values in SI units."""
-    objects = FAMILIES[scenario.motion.kind].objects(values)
+    objects = scenario.motion_family.objects(values)
     return SceneSpec(
         anatomy=person_and_room.anatomy_of(values),
         appearance=person_and_room.appearance_of(values),
-        room=person_and_room.room_of(values, (*objects, *extras.objects)),
+        room=person_and_room.room_of(values, (*objects, *extras.objects), surroundings_of(values)),
         rig=cameras.rig_of(values),
         sensor=cameras.sensor_of(values),
         clock=cameras.clock_of(values),
@@ -180,11 +214,19 @@ def unjudged(
         return _generator(scenario, seed, redraw, f"motion/{name}")
 
     duration_s = _duration_s(frames, fps)
-    extras = person_and_room.extras_of(values, streams, duration_s)
+    extras = together(
+        (
+            person_and_room.extras_of(values, streams, duration_s),
+            second_person(surroundings_of(values), streams("second_person")),
+        )
+    )
     scene = scene_of(scenario, values, extras)
     stage = Stage(scene=scene, values=values, streams=streams, duration_s=duration_s)
-    plan = FAMILIES[scenario.motion.kind].plan(stage)
-    performer = Performer(scene, with_opening(stage, plan, str(values["start"])))
+    plan = scenario.motion_family.plan(stage)
+    opened = with_opening(stage, plan, str(values["start"]))
+    if scene.room.surroundings is not None:
+        scene = with_clutter(scene, opened, _judged_times(duration_s))
+    performer = Performer(scene, opened)
     return Performance(
         scene=scene,
         script=WithExtras(performer, extras) if extras.tracks else performer,
@@ -207,9 +249,32 @@ def judged(performance: Performance) -> str | None:
     performer = script.script if isinstance(script, WithExtras) else script
     assert isinstance(performer, Performer)
     duration_s = _duration_s(performance.frames, performance.fps)
+    times_s = _judged_times(duration_s)
+    if performer.scene.room.surroundings is not None:
+        cannot = off_the_table(performer.scene) or out_of_view(performer, times_s)
+        if cannot is not None:
+            return cannot
+    fault = fault_of(performer, times_s, surely_possible(performer, times_s).tolist())
+    return None if fault is None else _with_steps(performer, fault)
+
+
+def _with_steps(performer: Performer, fault: MotionFault) -> str:
+    """A fault behind the steps of a script that go on then, or that came last."""
+    begun = [step for step in performer.plan.steps if step.from_s <= fault.time_s + _MOMENT_S]
+    last = {step.side: step for step in begun}  # of each hand and the head
+    going = [step for step in last.values() if step.to_s >= fault.time_s - _MOMENT_S]
+    named = going or sorted(last.values(), key=lambda step: step.to_s)[-1:]
+    if not named:
+        return str(fault)
+    others = [step.title for step in named[1:] if step.title != named[0].title]
+    also = f" (with {', '.join(others)})" if others else ""
+    return f"{named[0].where}{also}: {fault}"
+
+
+def _judged_times(duration_s: float) -> list[float]:
     moments = min(MOST_JUDGED, math.ceil(JUDGED_HZ * duration_s) + 1)
-    times_s = np.linspace(0.0, duration_s, moments).tolist()
-    return fault_of(performer, times_s, surely_possible(performer, times_s).tolist())
+    times_s: list[float] = np.linspace(0.0, duration_s, moments).tolist()
+    return times_s
 
 
 def fault_of_draw(
@@ -233,6 +298,8 @@ def _accepted(
     performance = _perform_draw(scenario, seed, overrides, redraw)
     for name in scenario.twins:
         twin = load_scenario(name)
+        if scenario.surroundings == VARIED:
+            twin = in_varied_surroundings(twin, scenario.rooms or scenario.name)
         shared = {k: v for k, v in overrides.items() if k in (*twin.parameters, *SETTINGS)}
         _perform_draw(twin, seed, shared, redraw)
     return performance

@@ -10,7 +10,8 @@ from pydantic import BaseModel, ValidationError
 from scenarios.spec.faults import FileFault
 from scenarios.spec.scenario import Scenario
 from scenarios.spec.suite import Suite
-from scenarios.spec.validation import describe_value, first_fault
+from scenarios.spec.validation import first_fault
+from scenarios.spec.value_text import describe_value
 from scenarios.spec.yaml_reader import read_yaml
 
 MAX_BYTES = 1 << 20
@@ -72,7 +73,8 @@ def parse(text: str, file: str, record: type[R], folder: Path | None = None) -> 
     if not isinstance(data, dict):
         raise FileFault(file, (1, 1), f"must be a mapping of fields, got {describe_value(data)}")
     try:
-        return record.model_validate(data, context={"folder": folder})
+        context = {"folder": folder, "file": file, "positions": positions}
+        return record.model_validate(data, context=context)
     except ValidationError as error:
         fault = first_fault(error, data, positions, record)
         raise FileFault(file, fault.at, fault.message) from None

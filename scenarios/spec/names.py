@@ -16,6 +16,8 @@ from scenarios.spec.corpus_case import (
     load_corpus_case,
 )
 from scenarios.spec.loader import load_either_file, load_scenario_file, load_suite_file, parse
+from scenarios.spec.motion.plugged import trust
+from scenarios.spec.own_motion import is_own_motion, scenario_of_motion
 from scenarios.spec.scenario import Scenario
 from scenarios.spec.suggestion import suggestion
 from scenarios.spec.suite import Suite, SuiteEntry
@@ -65,12 +67,14 @@ def is_path(name: str) -> bool:
 
 
 def load_scenario(name: str) -> Scenario:
-    """Load a scenario by name, or from a YAML file. Raises BenchError."""
+    """Load a scenario by name, from a YAML file, or of a plug-in's motion. Raises BenchError."""
+    if name in scenario_names():  # before all that reads disks: stress asks for each trial
+        return _shipped_scenario(name)
     if is_path(name):
         return load_scenario_file(Path(name))
-    if name not in scenario_names():
-        raise UnknownName("scenario", name, scenario_names())
-    return _shipped_scenario(name)
+    if is_own_motion(name):
+        return scenario_of_motion(name)
+    raise UnknownName("scenario", name, scenario_names())
 
 
 def load_suite(name: str) -> Suite:
@@ -91,6 +95,9 @@ def resolve(name: str) -> Scenario | Suite:
         if is_corpus_file(name):
             return corpus_suite((load_corpus_case(name),))
         return load_either_file(Path(name))
+    if is_own_motion(name):
+        trust(name)
+        return scenario_of_motion(name)
     if name == CORPUS and (cases := corpus_cases(CORPUS)):
         return corpus_suite(cases)
     if name in scenario_names():

@@ -16,7 +16,7 @@ from sim.camera.colour import NEUTRAL_K, light_rgb
 from sim.motion.stage import Values, number
 from sim.scene.disturbances import background_change, mover, moving_shadow, together
 from sim.scene.extras import Extras
-from sim.specs import RGB, Appearance, ObjectSpec, RoomSpec
+from sim.specs import RGB, Appearance, ObjectSpec, RoomSpec, Surroundings
 
 # Beige paint, beech, camel: hue and saturation as those of skin.
 NEAR_SKIN: Mapping[str, RGB] = {
@@ -100,14 +100,21 @@ def appearance_of(values: Values) -> Appearance:
         glasses=values["glasses"] == "yes",
         hair=str(values["hair"]),
         shirt_pattern=str(values["shirt_pattern"]),
+        # A parameter of varied surroundings alone.
+        expression=str(values.get("expression", "neutral")),
     )
 
 
-def room_of(values: Values, objects: tuple[ObjectSpec, ...]) -> RoomSpec:
-    """Table, walls and light, with these objects."""
+def room_of(
+    values: Values, objects: tuple[ObjectSpec, ...], surroundings: Surroundings | None = None
+) -> RoomSpec:
+    """Table, walls and light, with these objects, in these surroundings."""
+    nominal = RoomSpec()
     return RoomSpec(
         table_height_m=number(values, "table_height"),
         table_near_x_m=number(values, "table_near"),
+        table_depth_m=float(values.get("table_depth", nominal.table_depth_m)),
+        table_width_m=float(values.get("table_width", nominal.table_width_m)),
         table_rgb=_colour(values, "table"),
         table_surface=str(values["table_surface"]),
         wall_rgb=_colour(values, "wall"),
@@ -116,6 +123,7 @@ def room_of(values: Values, objects: tuple[ObjectSpec, ...]) -> RoomSpec:
         light_azimuth_rad=number(values, "light_azimuth"),
         texture_seed=int(number(values, "texture") * 999_999),
         objects=objects,
+        surroundings=surroundings,
     )
 
 
@@ -130,9 +138,11 @@ def extras_of(
     height, near = number(values, "table_height"), number(values, "table_near")
     azimuth = number(values, "light_azimuth")
     change = str(values["background_change"])
+    elevation = number(values, "light_elevation") if "light_elevation" in values else None
+    shadow = str(values["shadow"])
     return together(
         (
-            moving_shadow(str(values["shadow"]), azimuth, streams("shadow"), duration_s),
+            moving_shadow(shadow, azimuth, streams("shadow"), duration_s, elevation),
             mover(str(values["mover"]), skin, height, near, streams("mover"), duration_s),
             background_change(change, near, streams("background_change")),
         )

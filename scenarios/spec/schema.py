@@ -8,6 +8,8 @@ from typing import Any
 from pydantic import BaseModel
 
 from scenarios.spec.faults import FieldPath
+from scenarios.spec.motion.kinds import SCRIPT
+from scenarios.spec.motion.steps import RECORDS
 from scenarios.spec.scenario import Scenario
 
 DISTRIBUTIONS = ("Uniform", "LogUniform", "Normal", "Fixed")
@@ -52,7 +54,23 @@ def fields_beside(path: FieldPath, data: Any, record: type[BaseModel]) -> list[s
                 if properties["kind"]["const"] == kind:
                     return list(properties)
     if above[0] == "motion":
-        return list(definitions["Motion"]["properties"])
+        return _fields_of_motion(above, data["motion"], definitions)
     if above[0] == "scenarios":
         return list(definitions["SuiteEntry"]["properties"])
     return []
+
+
+def _fields_of_motion(
+    above: list[str], motion: Mapping[str, Any], definitions: Mapping[str, Any]
+) -> list[str]:
+    """Names of the fields of a motion, of an object or step of a script, or of a step's target."""
+    if motion.get("kind") != SCRIPT:
+        return list(definitions["Motion"]["properties"])
+    if len(above) == 1:
+        return list(definitions["ScriptMotion"]["properties"])
+    if above[1] == "objects":
+        return list(definitions["ObjectFields"]["properties"])
+    if len(above) > 3:
+        return list(definitions["TargetFields"]["properties"])
+    step = RECORDS[motion["steps"][int(above[2])]["do"]]
+    return [field.alias or name for name, field in step.model_fields.items()]

@@ -10,7 +10,13 @@ from pydantic import Field, Strict, ValidationInfo, field_serializer, field_vali
 
 from scenarios.spec.parameters.file import contents, file_in_context
 from scenarios.spec.parameters.record import Name, Record, Text, Whole
-from scenarios.spec.scenario import MAX_FRAMES, Scenario, canonical, digest
+from scenarios.spec.scenario import (
+    MAX_FRAMES,
+    Scenario,
+    SurroundingsKind,
+    canonical,
+    digest,
+)
 from sim.clips.clip_files import SUFFIXES
 
 
@@ -45,12 +51,16 @@ class SuiteEntry(Record):
 
 
 class Suite(Record):
-    """An ordered list of scenarios. seeds: episodes of each entry that gives no number itself."""
+    """An ordered list of scenarios. seeds: episodes of each entry that gives no number itself.
+
+    surroundings: varied plays every entry in rooms of its own.
+    """
 
     name: Name
     version: Annotated[Whole, Field(ge=1)] = 1
     summary: Text
     seeds: Annotated[Whole, Field(ge=1, le=100_000)] = 1
+    surroundings: SurroundingsKind = "nominal"
     scenarios: Annotated[tuple[SuiteEntry, ...], Field(min_length=1)]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,6 +11,8 @@ from pydantic import BaseModel, ValidationError
 from scenarios.spec.faults import FieldPath, Position, Positions, dotted
 from scenarios.spec.schema import fields_beside
 from scenarios.spec.suggestion import did_you_mean
+from scenarios.spec.value_text import describe_value
+from sim.families.gestures.registry import GESTURES
 
 _NAME_RULE = "must be lower-case letters, digits and _, beginning with a letter"
 _LIMITS = {
@@ -27,7 +28,7 @@ _RULES = (
     (("string_pattern",), _NAME_RULE),
     (("string_too_long",), "is too long"),
     (("tuple_type", "list_type"), "must be a list"),
-    (("dict", "model", "mapping"), "must be a mapping"),
+    (("dict_type", "model", "mapping"), "must be a mapping"),
 )
 
 
@@ -47,22 +48,6 @@ def first_fault(
     faults = [_fault(dict(item), data, positions, record) for item in error.errors()]
     # A missing field is at its mapping's start: a fault of a field that is there comes first.
     return min(faults, key=lambda fault: (fault.secondary, fault.at))
-
-
-def describe_value(value: Any) -> str:
-    """A value as a message names it, at most 60 characters."""
-    if value is None:
-        return "nothing"
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, float) and not math.isfinite(value):
-        return str(value)
-    if isinstance(value, dict):
-        return "a mapping"
-    if isinstance(value, list):
-        return "a list"
-    text = repr(value) if isinstance(value, str) else str(value)
-    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def _fault(
@@ -86,6 +71,8 @@ def _fault(
         message = "is missing"
     else:
         message = _message(kind, context, value, str(error["msg"]))
+        if kind == "union_tag_invalid" and (*path, "do") in positions:
+            path = (*path, "do")
     placed = path
     while placed not in positions:
         placed = placed[:-1]
@@ -116,11 +103,14 @@ def _message(kind: str, context: Mapping[str, Any], value: Any, pydantic_message
     if kind in ("literal_error", "union_tag_invalid"):
         key = "expected" if kind == "literal_error" else "expected_tags"
         if kind == "union_tag_invalid" and isinstance(value, Mapping):
-            value = value.get("kind")
+            # pydantic quotes the name of the field that tells which record it is.
+            value = value.get(str(context["discriminator"]).strip("'"))
         listed = str(context[key]).replace("'", "").replace(" or ", ", ")
         hint = did_you_mean(str(value), listed.split(", "))
         return f"must be one of {listed}, got {describe_value(value)}{hint}"
     if kind == "union_tag_not_found":
+        if "do" in str(context["discriminator"]):
+            return f"needs a field do: {', '.join(GESTURES)}"
         return "needs a field kind: uniform, log-uniform, normal or fixed"
     if kind in _LIMITS:
         key, relation = _LIMITS[kind]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
@@ -14,22 +15,27 @@ from typing import Any
 from rich.console import Console
 
 from pjpdaf.errors import BenchError
+from pjpdaf.plugins.loading import allow_plug_ins_from_here
 from pjpdaf.plugins.registry import DETECTORS, TRACKERS, make_detector, make_tracker
 from pjpdaf.plugins.scenes import cameras_in_front
 from pjpdaf.presets.names import DEFAULT_PRESET
 from pjpdaf.presets.registry import PRESETS
 from scenarios.console.interrupts import Interrupted, interrupts
+from scenarios.console.lines import print_line
 from scenarios.execute.code_digest import NO_TRIAL, code_digest, plug_in_digest
 from scenarios.execute.executor import ClusterFault
-from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
+from scenarios.execute.isolated import try_plug_ins
 from scenarios.execute.journal import Journal
 from scenarios.execute.place import executor_at, place_of
 from scenarios.execute.software import PlugIns
 from scenarios.play.fast_trust import fast_trust
 from scenarios.play.job import System
 from scenarios.play.settings import read_settings
+from scenarios.spec.corpus_case import is_corpus_file
 from scenarios.spec.draw import SETTINGS
+from scenarios.spec.motion.plugged import trust
 from scenarios.spec.names import is_path
+from scenarios.spec.own_motion import is_own_motion
 from scenarios.spec.parameters.numeric import Numeric
 from scenarios.spec.parameters.units import parse_quantity
 from scenarios.stress.case import Fidelity
@@ -81,7 +87,9 @@ class CampaignRequest:
     def plug_ins(self) -> PlugIns:
         """The code that is not ours."""
         others = () if self.against is None else (self.against,)
-        return PlugIns.named(self.detector, self.tracker, *others)
+        named = PlugIns.named(self.detector, self.tracker, *others)
+        targets = self.target.split(",")
+        return named.with_motions(name for name in targets if is_own_motion(name))
 
     @property
     def other(self) -> System | None:
@@ -144,12 +152,13 @@ def families_of(target: str) -> tuple[StressFamily, ...]:
         return tuple(FAMILIES.values())
     names = [name.strip() for name in target.split(",")]
     for name in names:
-        if is_path(name):
+        if is_path(name) and is_corpus_file(name):
             raise BenchError(
                 f"{name}: is a case; this verb takes families (shrink, replay, promote take a case)"
             )
         if names.count(name) > 1:
             raise BenchError(f"{name}: named twice")
+    trust(*names)
     return tuple(find_family(name) for name in names)
 
 
@@ -250,17 +259,15 @@ def _say_fidelities(request: CampaignRequest, spaces: Sequence[Space], fidelity:
     out = Console(stderr=True)
     for space in spaces:
         if fault := fast_fault(request, space):
-            out.print(
-                f"{space.family.name}: played in full: {fault}; --fidelity fast plays it fast",
-                highlight=False,
-                soft_wrap=True,
+            print_line(
+                f"{space.family.name}: played in full: {fault}; --fidelity fast plays it fast", out
             )
 
 
 def default_folder(request: CampaignRequest, identity: str) -> Path:
     """runs/stress-TARGET-VERB-DIGEST: the same for the same command and code."""
     digest = hashlib.sha256(identity.encode()).hexdigest()[:8]
-    target = request.target.replace(",", "+")[:40]
+    target = re.sub(r"[^\w@+.-]+", "_", request.target.replace(",", "+"))[-40:]
     return Path("runs") / f"stress-{target}-{request.verb}-{digest}"
 
 

@@ -52,7 +52,9 @@ class Case:
         """The episode. Raises BenchError for values that do not fit the family."""
         changes = {**self.values, "frames": float(self.frames)}
         scenario = find_family(self.family).scenario
-        return Job(scenario, self.seed, changes, system, label=label or self.family, keep_film=film)
+        return Job(
+            scenario, self.seed, changes, system, label=label or scenario.name, keep_film=film
+        )
 
     @property
     def digest(self) -> str:

@@ -30,7 +30,7 @@ def corpus_case(
             "format": FORMAT,
             "name": name,
             "family": case.family,
-            "scenario": job.scenario.name,
+            "scenario": find_family(case.family).scenario_name,
             "version": job.scenario.version,
             "digest": case.digest,
             "seed": case.seed,

@@ -13,6 +13,7 @@ from reports.score.robustness import Goal, measures_of
 from reports.stress.page import write_stress_page
 from reports.stress.records import CompareFile, CompareRecord, MapRecord, write_record
 from reports.summary.plain_table import plain_table
+from scenarios.console.lines import print_line
 from scenarios.console.tables import print_table
 from scenarios.play.job import System
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign, spaces_of
@@ -89,7 +90,7 @@ def compare_verb(request: CompareRequest) -> None:
         page = write_stress_page([campaign.folder], campaign.folder / "stress.html")
         out = Console()
         print_table(_table(records), out)
-        out.print(f"page: {page}", highlight=False, soft_wrap=True)
+        print_line(f"page: {page}", out)
 
 
 def _compared(campaign: Campaign, space: Space, request: CompareRequest) -> list[CompareRecord]:
@@ -100,7 +101,10 @@ def _compared(campaign: Campaign, space: Space, request: CompareRequest) -> list
     campaign.progress.start(f"{name}: common draws", 2 * request.runs)
     latents = normal_draws(seed, f"{name}/compare", request.runs, len(space.axes))
     seeds = noise_seeds(seed, f"{name}/compare", request.runs).tolist()
-    cases = [Case(name, space.values_of_latent(z), s) for z, s in zip(latents, seeds, strict=True)]
+    target = space.family.target
+    cases = [
+        Case(target, space.values_of_latent(z), s) for z, s in zip(latents, seeds, strict=True)
+    ]
     ones, others = (_run(campaign, space, cases, system) for system in (a, b))
     pairs = [
         (one, other)

@@ -17,6 +17,7 @@ from reports.stress.page import write_stress_page
 from reports.stress.records import EstimateFile, EstimateRecord, write_record
 from reports.stress.words import GOAL_SHORT, interval_text, share_text
 from reports.summary.plain_table import plain_table
+from scenarios.console.lines import print_line
 from scenarios.console.tables import print_table
 from scenarios.spec.suggestion import suggestion
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
@@ -75,8 +76,8 @@ def estimate_verb(request: EstimateRequest) -> int:
         out = Console()
         print_table(_table(records), out)
         for line in _reservations(records):
-            out.print(line, highlight=False)
-        out.print(f"page: {page}", highlight=False, soft_wrap=True)
+            print_line(line, out)
+        print_line(f"page: {page}", out)
     return INCONCLUSIVE if any(r.verdict == "inconclusive" for r in records) else 0
 
 
@@ -162,9 +163,9 @@ def outcomes_of(results: Sequence[TrialResult], goal: Goal) -> Outcomes:
 
 
 def _cases(space: Space, latents: Floats, seeds: NDArray[np.int64]) -> list[Case]:
-    name = space.family.name
+    target = space.family.target
     return [
-        Case(name, space.values_of_latent(z), int(s)) for z, s in zip(latents, seeds, strict=True)
+        Case(target, space.values_of_latent(z), int(s)) for z, s in zip(latents, seeds, strict=True)
     ]
 
 

@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from pjpdaf.errors import BenchError
-from scenarios.spec.names import load_scenario, scenario_names
+from scenarios.spec.names import is_path, load_scenario, scenario_names
+from scenarios.spec.own_motion import is_own_motion
 from scenarios.spec.parameters.choice import Choice
 from scenarios.spec.parameters.distributions import Fixed
 from scenarios.spec.parameters.file import File
 from scenarios.spec.parameters.numeric import Numeric
 from scenarios.spec.scenario import Scenario
 from scenarios.spec.suggestion import did_you_mean, suggestion
-from sim.families.registry import FAMILIES as MOTIONS
 
 # Not a parameter of a scenario, but a field that may be changed: searched and mapped as one.
 FPS = Numeric(
@@ -50,10 +50,15 @@ class StressFamily:
         return load_scenario(self.scenario_name)
 
     @property
+    def target(self) -> str:
+        """What `find_family` finds it by: its name, or the file or plug-in of its scenario."""
+        return self.scenario_name if is_own(self.scenario_name) else self.name
+
+    @property
     def searched(self) -> tuple[str, ...]:
         """Names of the parameters that vary: the family's own, then the standard ones."""
         scenario = self.scenario
-        own = MOTIONS[scenario.motion.kind].parameters
+        own = scenario.motion_family.parameters
         given = (name for name in scenario.parameters if name in own)
         files = {n for n, parameter in scenario.parameters.items() if isinstance(parameter, File)}
         return tuple(name for name in (*given, *self.standard) if name not in files)
@@ -71,6 +76,11 @@ class StressFamily:
 
 def _motion(name: str) -> StressFamily:
     return StressFamily(name, name)
+
+
+def is_own(name: str) -> bool:
+    """Whether a name is that of a scenario file, or of a plug-in's motion."""
+    return name not in scenario_names() and (is_path(name) or is_own_motion(name))
 
 
 # The shipped clip lasts 12.4 s.
@@ -100,12 +110,14 @@ FAMILIES: Mapping[str, StressFamily] = {
 def find_family(name: str) -> StressFamily:
     """A family by name; any other shipped scenario is one too, with its own parameters.
 
-    Raises BenchError with the closest name.
+    So is a scenario file, and a plug-in's motion. Raises BenchError with the closest name.
     """
     if name in FAMILIES:
         return FAMILIES[name]
     if name in scenario_names():
         return _motion(name)
+    if is_own(name):
+        return StressFamily(load_scenario(name).name, name)
     known = tuple(dict.fromkeys((*FAMILIES, *scenario_names())))
     hint = suggestion(name, known, "pjpdaf-bench scenarios list")
     raise BenchError(f"no family {name[:60]!r} to stress{hint}")

@@ -14,6 +14,7 @@ from reports.stress.records import EpisodeKey, MapFile, MapRecord, write_record
 from reports.stress.words import share_text
 from reports.summary.text import count
 from reports.words import GOAL_WORDS
+from scenarios.console.lines import print_line
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign, spaces_of
 from scenarios.stress.case import Case, Trial, TrialResult
 from scenarios.stress.map.cells import MOST_CELLS, grid
@@ -66,8 +67,8 @@ def map_verb(request: MapRequest) -> None:
         page = write_stress_page([campaign.folder], campaign.folder / "stress.html")
         out = Console()
         for record in records:
-            out.print(_summary(record), highlight=False, soft_wrap=True)
-        out.print(f"page: {page}", highlight=False, soft_wrap=True)
+            print_line(_summary(record), out)
+        print_line(f"page: {page}", out)
 
 
 def check_plan(plan: MapPlan) -> None:

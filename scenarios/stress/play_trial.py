@@ -11,7 +11,7 @@ import numpy as np
 
 from pjpdaf.errors import BenchError, PlugInFault
 from pjpdaf.follow import FollowedFrame
-from pjpdaf.plugins.registry import describe_exception
+from pjpdaf.plugins.loading import describe_exception
 from pjpdaf.targets import TARGETS
 from reports.score.events import find_events
 from reports.score.records import Episode, FailureKind

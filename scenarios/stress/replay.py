@@ -12,6 +12,7 @@ from rich.console import Console
 
 from pjpdaf.errors import BenchError, PlugInFault
 from pjpdaf.follow import FollowedFrame
+from pjpdaf.plugins.loading import allow_plug_ins_from_here
 from pjpdaf.presets.registry import PRESETS
 from pjpdaf.targets import TARGETS
 from reports.pictures.film import FilmWriter, film_suffix
@@ -19,15 +20,22 @@ from reports.pictures.overlay import overlay_picture
 from reports.summary.text import count
 from reports.words import MEASURE_WORDS
 from scenarios.console.interrupts import unwritten_if_interrupted
-from scenarios.execute.isolated import allow_plug_ins_from_here, try_plug_ins
+from scenarios.console.lines import print_line
+from scenarios.execute.isolated import try_plug_ins
 from scenarios.play.fast import play_fast
 from scenarios.play.footage import open_footage
 from scenarios.play.job import System
 from scenarios.play.settings import read_settings
-from scenarios.spec.corpus_case import corpus_folder
+from scenarios.spec.corpus_case import (
+    CorpusCase,
+    corpus_folder,
+    is_corpus_file,
+    load_corpus_case,
+)
+from scenarios.spec.motion.plugged import trust
 from scenarios.stress.case import Case, Fidelity, Trial, TrialResult
 from scenarios.stress.case_file import case_of, corpus_case, load_case, system_of, write_case
-from scenarios.stress.families import find_family
+from scenarios.stress.families import find_family, is_own
 from scenarios.stress.play_trial import full_result, result_of
 from scenarios.stress.space import Space
 from sim.contact.contact import Unposable
@@ -69,30 +77,30 @@ def replay_verb(request: ReplayRequest) -> None:
     replayed = replay(request)
     result = replayed.result
     assert result.robustness is not None
-    out.print(
+    print_line(
         f"{replayed.case.family} seed {replayed.case.seed}, {replayed.fidelity}, tracker "
         f"{replayed.system.tracker}: {count(result.frames, 'frame')} at {result.fps:g} a second",
-        highlight=False,
+        out,
     )
     for measure, rho in result.robustness.measures.items():
         mark = "  fails" if rho < 0 else ""
-        out.print(f"  {MEASURE_WORDS[measure]:<28} rho {rho:+.3f}{mark}", highlight=False)
+        print_line(f"  {MEASURE_WORDS[measure]:<28} rho {rho:+.3f}{mark}", out)
     for event in result.events:
         stage = result.blame.get((event.kind, event.target, event.first))
         fault = f", blame: {stage}" if stage else ""
-        out.print(
+        print_line(
             f"  {event.kind} of {TARGETS[event.target]}: frames {event.first} to {event.last}"
             f"{fault}",
-            highlight=False,
+            out,
         )
     if replayed.expected:
         rho = result.robustness.measures[replayed.expected]
         outcome = "fails as the file says" if rho < 0 else "does not fail any more"
-        out.print(f"{MEASURE_WORDS[replayed.expected]}: {outcome}", highlight=False)
+        print_line(f"{MEASURE_WORDS[replayed.expected]}: {outcome}", out)
     digest = hashlib.sha256(result.to_json()).hexdigest()
-    out.print(f"result: sha256 {digest}", highlight=False)
+    print_line(f"result: sha256 {digest}", out)
     if request.film is not None:
-        out.print(f"film: {request.film}", highlight=False, soft_wrap=True)
+        print_line(f"film: {request.film}", out)
 
 
 def replay(request: ReplayRequest) -> Replayed:
@@ -124,6 +132,12 @@ def promote(path: Path, name: str | None, folder: Path | None, status: str) -> P
     """
     record = load_case(path)
     case, system = case_of(record), system_of(record)
+    if is_own(record.family):
+        raise BenchError(
+            f"{path}: is of {record.family}; the corpus keeps cases of shipped scenarios"
+        )
+    folder = folder or corpus_folder()
+    _check_new(record, path, folder, name or record.name)
     replayed = replay(ReplayRequest(str(path)))
     assert replayed.result.robustness is not None
     measures = replayed.result.robustness.measures
@@ -134,11 +148,6 @@ def promote(path: Path, name: str | None, folder: Path | None, status: str) -> P
             f"{path}: {MEASURE_WORDS[record.event]} {outcome} with {record.tracker} when rendered "
             f"(rho {measures[record.event]:+.2f}): not put into the corpus as {status}"
         )
-    folder = folder or corpus_folder()
-    for other in sorted(folder.glob("*.yaml")):
-        kept = load_case(other)
-        if (kept.digest, kept.tracker) == (record.digest, record.tracker) and other != path:
-            raise BenchError(f"{path}: is in the corpus already: {other}")
     new = corpus_case(
         name or record.name, case, system, record.event, measures[record.event], status, record.note
     )
@@ -146,6 +155,16 @@ def promote(path: Path, name: str | None, folder: Path | None, status: str) -> P
     folder.mkdir(parents=True, exist_ok=True)
     write_case(target, new)
     return target
+
+
+def _check_new(record: CorpusCase, path: Path, folder: Path, name: str) -> None:
+    """Raise BenchError where a corpus has the name, or the same scenario for the same tracker."""
+    for other in sorted(folder.glob("*.yaml")):
+        kept = load_corpus_case(other)
+        if (kept.digest, kept.tracker) == (record.digest, record.tracker) and other != path:
+            raise BenchError(f"{path}: is in the corpus already: {other}")
+        if other.stem == name and other != path:
+            raise BenchError(f"{other}: exists and is another case; give a --name")
 
 
 def case_from_settings(family_name: str, settings: Mapping[str, Value], seed: int) -> Case:
@@ -158,7 +177,9 @@ def case_from_settings(family_name: str, settings: Mapping[str, Value], seed: in
 def _case_and_system(request: ReplayRequest) -> tuple[Case, System, str]:
     settings = read_settings(request.settings)
     system, expected = System(), ""
-    if request.target.endswith((".yaml", ".yml")):
+    trust(request.target)
+    of_file = request.target.endswith((".yaml", ".yml"))
+    if of_file and (not Path(request.target).is_file() or is_corpus_file(request.target)):
         if settings.scenario:
             raise BenchError("--set: the values of a case are those of its file")
         record = load_case(Path(request.target))

@@ -14,6 +14,7 @@ from reports.score.robustness import GOALS, Goal
 from reports.stress.page import write_stress_page
 from reports.stress.records import SearchFile, write_record
 from reports.summary.text import count
+from scenarios.console.lines import print_command, print_line
 from scenarios.console.tables import print_table
 from scenarios.spec.corpus_case import corpus_files, load_corpus_case
 from scenarios.spec.suggestion import suggestion
@@ -21,6 +22,7 @@ from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
 from scenarios.stress.case import Case, Fidelity
 from scenarios.stress.case_file import case_of, corpus_case, write_case
 from scenarios.stress.confirm import MOST_RUNS, Counterexample, choose, confirm
+from scenarios.stress.families import find_family
 from scenarios.stress.recording import record_episodes
 from scenarios.stress.search.evaluation import Evaluation, Evaluator
 from scenarios.stress.search.page_record import search_record, shown_failures, shown_measure
@@ -111,7 +113,7 @@ def search_verb(request: SearchRequest) -> None:
         _write_record(campaign, results)
         page = _write_page(campaign, results, request.argv)
         _print(campaign, results)
-        Console().print(f"page: {page}", highlight=False, soft_wrap=True)
+        print_line(f"page: {page}")
         if not any(e.result.robustness for result in results for e in result.search.evaluations):
             raise InfrastructureError("no run gave a result")
 
@@ -141,7 +143,7 @@ def known_cases(space: Space) -> tuple[Case, ...]:
     cases = []
     for path in corpus_files():
         record = load_corpus_case(path)
-        if record.family == space.family.name:
+        if record.family == space.family.target:
             values = space.values_of_unit(
                 space.unit_of_values({**space.nominal(), **case_of(record).values})
             )
@@ -194,7 +196,7 @@ def _with_files(campaign: Campaign, result: FamilyFound) -> FamilyFound:
     folder = campaign.folder / "cases"
     folder.mkdir(exist_ok=True)
     for number, one in enumerate(result.found, start=1):
-        name = f"{one.case.family}_{one.measure}_{number}"
+        name = f"{find_family(one.case.family).name}_{one.measure}_{number}"
         robustness = one.result.robustness
         if robustness is None or (one.full is not None and not one.confirmed):
             files.append(None)
@@ -268,12 +270,11 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound]) -> None:
     for result in results:
         search = result.search
         failed = sum(bool(e.result.failed) for e in search.evaluations)
-        out.print(
+        print_line(
             f"{search.space.family.name}: {result.runs_text}; "
             f"{failed} of {count(len(search.evaluations), 'point')} fail, "
             f"{count(len(search.failures), 'distinct failure')} (ended by {search.ended})",
-            highlight=False,
-            soft_wrap=True,
+            out,
         )
         if result.found:
             print_table(failure_table(search.space.family.name, result.found), out)
@@ -282,17 +283,13 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound]) -> None:
     if rendered:
         confirmed = sum(one.confirmed for one in rendered)
         share = 100 * confirmed / len(rendered)
-        out.print(
-            f"confirmed in full: {confirmed} of {len(rendered)} ({share:.0f} %)", highlight=False
-        )
+        print_line(f"confirmed in full: {confirmed} of {len(rendered)} ({share:.0f} %)", out)
     for result in results:
         for path in result.files:
             if path is not None:
-                out.print(
-                    f"replay: pjpdaf-bench stress {path} replay", highlight=False, soft_wrap=True
-                )
+                print_command(f"replay: pjpdaf-bench stress {path} replay", out)
     _print_quarantined(campaign, out)
-    out.print(f"search: {campaign.folder / 'search.json'}", highlight=False, soft_wrap=True)
+    print_line(f"search: {campaign.folder / 'search.json'}", out)
 
 
 def _print_quarantined(campaign: Campaign, out: Console) -> None:
@@ -302,9 +299,8 @@ def _print_quarantined(campaign: Campaign, out: Console) -> None:
         return
     trial, result = quarantined[0]
     assert result.failure is not None
-    out.print(
+    print_line(
         f"no result in {count(len(quarantined), 'run')}, the first: {result.failure.kind}: "
         f"{result.failure.reason}: {replay_command(trial.case, trial.system)}",
-        highlight=False,
-        soft_wrap=True,
+        out,
     )

@@ -10,6 +10,7 @@ from rich.console import Console
 from pjpdaf.errors import BenchError
 from reports.summary.text import count
 from reports.words import MEASURE_WORDS
+from scenarios.console.lines import print_line
 from scenarios.stress.campaign import CampaignRequest, open_campaign
 from scenarios.stress.case import Case
 from scenarios.stress.case_file import case_of, corpus_case, load_case, system_of, write_case
@@ -72,38 +73,36 @@ def shrink_verb(request: ShrinkRequest) -> None:
                 title = f"{record.name}_{name}"[:60]
                 form = corpus_case(title, kept, system, record.event, record.rho, "open", note)
                 write_case(path, form, replace=True)
-                out.print(f"{name}: {path}", highlight=False, soft_wrap=True)
+                print_line(f"{name}: {path}", out)
 
 
 def _print(out: Console, shrunk: Shrunk, space: Space, fidelity: str) -> None:
     event = MEASURE_WORDS[shrunk.measure]
-    out.print(
+    print_line(
         f"{shrunk.case.family}: {event} with {shrunk.survival.text} fresh noise seeds in "
         f"{fidelity}, {len(shrunk.changed)} of {count(len(space.axes), 'parameter')} not nominal",
-        highlight=False,
-        soft_wrap=True,
+        out,
     )
     if shrunk.minimal is None:
-        out.print(
+        print_line(
             f"not shrunk: it must fail with {NEEDED} of {SEEDS} fresh noise seeds; this failure is "
             "one of noise",
-            soft_wrap=True,
+            out,
         )
         return
     changes = _differences(shrunk.minimal, shrunk, space)
-    out.print(
+    print_line(
         f"{count(shrunk.runs, 'run')}: {count(len(shrunk.needed), 'parameter')} left: "
         f"{changes or 'none, the nominal case fails'}; {shrunk.minimal.frames} of "
         f"{shrunk.case.frames} frames",
-        highlight=False,
-        soft_wrap=True,
+        out,
     )
     for name, survival in (
         ("minimal", shrunk.minimal_survival),
         ("most severe", shrunk.severe_survival),
     ):
         if survival is not None:
-            out.print(f"{name}: {_rate(survival)}", highlight=False)
+            print_line(f"{name}: {_rate(survival)}", out)
 
 
 def _differences(minimal: Case, shrunk: Shrunk, space: Space) -> str:

@@ -50,8 +50,14 @@ def read_rows(path: Path, columns: Columns, *, sequence: bool = False) -> Iterat
 def _check_columns(where: str, names: Sequence[str], needed: Sequence[str]) -> None:
     missing = [name for name in needed if name not in names]
     if missing:
-        there = ", ".join(name[:60] for name in names[:20])[:120]
-        raise BenchError(f"{where}: lacks the columns {', '.join(missing)}; there are: {there}")
+        noun = "column" if len(missing) == 1 else "columns"
+        hint = f"there are: {', '.join(name[:60] for name in names[:20])[:400]}"
+        if missing == ["sequence"]:
+            hint = (
+                "a file without it is of one sequence: name it FOLDER/seq_000000.csv after its "
+                "sequence, and give FOLDER"
+            )
+        raise BenchError(f"{where}: lacks the {noun} {', '.join(missing)}; {hint}")
     if len(names) > MAX_COLUMNS:
         raise BenchError(f"{where}: has more than {MAX_COLUMNS} columns")
     counts = Counter(names)

@@ -21,6 +21,7 @@ from reports.summary.terminal import scenario_table, target_table
 from reports.summary.text import count
 from scenarios.console.folder import default_folder
 from scenarios.console.interrupts import interrupts, unwritten_if_interrupted
+from scenarios.console.lines import print_line
 from scenarios.console.progress import progress
 from scenarios.console.tables import print_table
 from scenarios.play.from_dataset import (
@@ -102,7 +103,7 @@ def score_tracks(request: ScoreRequest) -> None:
     frames = sum(row.frame_count for row in rows)
     summary = f"{count(len(rows), 'sequence')}, {count(frames, 'stereo frame')} scored"
     for line in (summary, *(f"note: {note}" for note in notes), f"report: {page}"):
-        out.print(line, highlight=False, markup=False, soft_wrap=True)
+        print_line(line, out)
 
 
 def _score_sequence(

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats, Image
 from pjpdaf.camera import Camera
-from sim.camera.shader import kinds_of, mark_textured, shader_of
+from sim.camera.normal_shader import normal_shader
+from sim.camera.shader import BoundMap, kinds_of, mark_textured, shader_of, soft_edge_m
 from sim.camera.shadow_map import ShadowMap, update_scene
 from sim.gl import context, load_mujoco
 from sim.scene.world import World
@@ -49,7 +50,11 @@ class Canvas:
         self.far_m = float(np.float32(visual.map.zfar * extent))
         self.groups = range(len(self._option.geomgroup))
         mark_textured(self._model)
-        self._shadows = ShadowMap(world, self._context, self.near_m, self.far_m)
+        casting = int(np.count_nonzero(self._model.light_castshadow & self._model.light_active))
+        self._shadows = tuple(
+            ShadowMap(world, self._context, self.near_m, self.far_m, number)
+            for number in range(max(casting, 1))
+        )
 
     def begin(self) -> None:
         """Make this frame buffer current. Raises ValueError where it is closed or another thread's.
@@ -67,6 +72,8 @@ class Canvas:
         """Free the GPU's copies of the model; safe to call twice."""
         if self._context is not None:
             context()
+            for shadows in self._shadows:
+                shadows.close()
             self._context.free()
             self._context = None
 
@@ -112,9 +119,14 @@ class Canvas:
         assert depth is not None
         return rgb, depth
 
-    def world_to_map(self) -> Floats | None:
-        """From the world to the shadow map (4, 4) of what is shown; None where nothing casts."""
-        return self._shadows.draw(self._option, self._shown)
+    def world_to_maps(self) -> tuple[Floats, ...]:
+        """From the world to the shadow map (4, 4) of each light with shadows, of what is shown."""
+        drawn = (shadows.draw(self._option, self._shown) for shadows in self._shadows)
+        return tuple(matrix for matrix in drawn if matrix is not None)
+
+    def shadow_edge_m(self) -> float:
+        """Half the width [m] of the edges of the shadows in what is shown."""
+        return max(map(soft_edge_m, self._scene.lights[: self._scene.nlight]), default=0.0)
 
     def ids(
         self, size: Size, with_depth: bool
@@ -127,6 +139,15 @@ class Canvas:
             scene_id |= rgb[..., 2].astype(np.int32) << 16
         return np.take(self._geom_of(), scene_id), depth
 
+    def normals(self, size: Size) -> Image:
+        """Encoded normals (h, w, 3) of `sim.camera.normals`; of no surface, MuJoCo's background."""
+        shader = normal_shader()
+        shader.use()
+        try:
+            return self._draw(size, self._colour_flags, with_depth=False)[0]
+        finally:
+            shader.leave()
+
     def metres(self, depth: NDArray[np.float32] | Floats) -> NDArray[np.float32]:
         """Reversed depth (1 at znear, 0 at zfar) to planar z, in double precision between."""
         near, far = self.near_m, self.far_m
@@ -136,10 +157,14 @@ class Canvas:
         return metres
 
     def _colour(self, size: Size, with_depth: bool) -> tuple[Image, NDArray[np.float32] | None]:
-        world_to_map = self.world_to_map()
-        eye_to_map = np.eye(4) if world_to_map is None else world_to_map @ self._eye_to_world()
+        world_to_maps = self.world_to_maps() or (np.eye(4),)  # of no light: it is not looked at
+        eye_to_world = self._eye_to_world()
+        maps = [
+            BoundMap(world_to_map @ eye_to_world, shadows.texture)
+            for world_to_map, shadows in zip(world_to_maps, self._shadows, strict=True)
+        ]
         shader = shader_of(kinds_of(self._scene.lights[: self._scene.nlight]))
-        shader.use(eye_to_map, self._shadows.texture)
+        shader.use(maps, self.shadow_edge_m())
         try:
             return self._draw(size, self._colour_flags, with_depth)
         finally:
@@ -170,12 +195,24 @@ class Canvas:
     def _draw(
         self, size: Size, flags: Collection[Any], with_depth: bool
     ) -> tuple[Image, NDArray[np.float32] | None]:
-        self._scene.flags[:] = 0
-        for flag in flags:
-            self._scene.flags[flag] = 1
-        viewport = self._mujoco.MjrRect(0, 0, size[1], size[0])
-        self._mujoco.mjr_render(viewport, self._scene, self._context)
-        rgb = np.empty((*size, 3), np.uint8)
-        depth = np.empty(size, np.float32) if with_depth else None
-        self._mujoco.mjr_readPixels(rgb, depth, viewport, self._context)
-        return rgb, depth
+        return render_pass(self._scene, self._context, size, flags, with_depth)
+
+
+def render_pass(
+    scene: Any, context: Any, size: Size, flags: Collection[Any], with_depth: bool
+) -> tuple[Image, NDArray[np.float32] | None]:
+    """Render a pass and read it back: RGB (h, w, 3) and depth (h, w) if wanted, rows from below.
+
+    scene: MjvScene; context: MjrContext, whose frame buffer is current; flags: of mjtRndFlag that
+    are set, all others are not.
+    """
+    mujoco = load_mujoco()
+    scene.flags[:] = 0
+    for flag in flags:
+        scene.flags[flag] = 1
+    viewport = mujoco.MjrRect(0, 0, size[1], size[0])
+    mujoco.mjr_render(viewport, scene, context)
+    rgb = np.empty((*size, 3), np.uint8)
+    depth = np.empty(size, np.float32) if with_depth else None
+    mujoco.mjr_readPixels(rgb, depth, viewport, context)
+    return rgb, depth

@@ -23,6 +23,24 @@ def cast(
     pixels (n, 2): of the camera's real picture, anywhere in a pixel; groups: of the geoms that rays
     can hit. By MuJoCo's `mj_multiRay`, which has no raster: shapes and meshes are hit exactly.
     """
+    return _cast(world, camera, pixels, groups, None)
+
+
+def cast_normals(
+    world: World, camera: Camera, pixels: Floats, groups: Iterable[int] = range(GROUPS)
+) -> tuple[NDArray[np.int32], NDArray[np.float32], Floats]:
+    """As `cast`, and the normals (n, 3) of what is met, of a mesh its triangle's, in the camera's
+    frame.
+    """
+    normals_w = np.zeros((len(pixels), 3))
+    geoms, depth = _cast(world, camera, pixels, groups, normals_w)
+    return geoms, depth, np.asarray(normals_w @ camera.R_cw.T)
+
+
+def _cast(
+    world: World, camera: Camera, pixels: Floats, groups: Iterable[int], normals_w: Floats | None
+) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    """As `cast`; the normals are written into normals_w (n, 3), world."""
     mujoco = load_mujoco()
     ideal = undistort_points(camera, pixels)
     n = len(ideal)
@@ -41,7 +59,7 @@ def cast(
         -1,
         geoms,
         distance,
-        None,
+        None if normals_w is None else normals_w.reshape(-1),
         n,
         mujoco.mjMAXVAL,
     )

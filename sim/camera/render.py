@@ -10,12 +10,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pjpdaf.arrays import Image
+from pjpdaf.arrays import Floats, Image
 from pjpdaf.camera import Camera
 from pjpdaf.targets import TARGETS
 from sim.camera.boxes import GeomBoxes
 from sim.camera.canvas import Canvas, Size
-from sim.camera.rays import cast
+from sim.camera.normals import NONE, encoded, through_lens
+from sim.camera.rays import cast, cast_normals
 from sim.camera.still import StillScene, StillView, tiles_of
 from sim.camera.window import Window, around, whole
 from sim.lens import Lens
@@ -127,6 +128,29 @@ class StereoRenderer(AbstractContextManager["StereoRenderer"]):
         geoms, depth = self._labels(_Output(camera, None), groups, whole(camera), None)
         return depth, geoms
 
+    def normals(self, index: int, geoms: NDArray[np.int32]) -> Image:
+        """Surface normals (h, w, 3) of a view of the current pose, encoded as `sim.camera.normals`.
+
+        geoms (h, w): geom ids of the view. Where a lens leaves no drawn pixel of the geom around a
+        pixel's centre, the triangle that a ray meets gives its normal.
+        """
+        self._canvas.begin()
+        output = _Output(self.world.rig.cameras[index], self.world.lenses[index])
+        groups = self._groups(person=True)
+        self._canvas.show(CAMERAS[index], groups)
+        self._canvas.aim(output.pinhole)
+        drawn = self._canvas.normals(output.drawn(output.label_scale))
+        if output.lens is None:
+            picture = drawn[::-1].copy()
+        else:
+            ids, _ = self._ids(output, whole(output.pinhole), None)
+            picture, known = through_lens(output.lens, drawn, ids, geoms)
+            ys, xs = np.nonzero(~known)
+            met = cast_normals(self.world, output.camera, np.column_stack([xs, ys]), groups)[2]
+            picture[ys, xs] = encoded(met)
+        picture[geoms < 0] = NONE
+        return picture
+
     def amodal_beyond(self, index: int) -> NDArray[np.int64]:
         """Pixels (T,) of the targets' amodal masks, including those beyond the picture's border.
 
@@ -165,7 +189,7 @@ class StereoRenderer(AbstractContextManager["StereoRenderer"]):
         world, canvas = self.world, self._canvas
         groups = (*self._groups(person=False), LEGS)
         views = []
-        world_to_map = None
+        world_to_maps: tuple[Floats, ...] = ()
         for index, name in enumerate(CAMERAS):
             output = _Output(world.rig.cameras[index], world.lenses[index])
             camera = output.pinhole
@@ -174,7 +198,7 @@ class StereoRenderer(AbstractContextManager["StereoRenderer"]):
             rgb, fine = canvas.colour_and_depth(output.drawn(SUPERSAMPLE))
             geoms, depth = canvas.ids(output.drawn(output.label_scale), with_depth=True)
             assert depth is not None
-            world_to_map = canvas.world_to_map()
+            world_to_maps = canvas.world_to_maps()
             views.append(
                 StillView(
                     camera=camera,
@@ -183,11 +207,14 @@ class StereoRenderer(AbstractContextManager["StereoRenderer"]):
                     geoms=geoms,
                     depth=depth,
                     depth_m=canvas.metres(depth),
-                    tiles=tiles_of(camera, canvas.metres(fine), SUPERSAMPLE, world_to_map),
+                    tiles=tiles_of(camera, canvas.metres(fine), SUPERSAMPLE, world_to_maps),
                 )
             )
         shown = self._shown(groups)
-        return StillScene(self._boxes, world.model, world.data, shown, world_to_map, tuple(views))
+        edge_m = canvas.shadow_edge_m()
+        return StillScene(
+            self._boxes, world.model, world.data, shown, world_to_maps, tuple(views), edge_m
+        )
 
     def _colour(self, output: _Output, window: Window, base: StillView | None) -> Image:
         """The picture (h, w, 3) BGR: what is drawn in a window of it, around it the still scene."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Collection
 from typing import Any
 
@@ -9,11 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
-from sim.gl import functions, load_mujoco
+from pjpdaf.errors import InfrastructureError
+from sim.gl import REMEDY, functions, load_mujoco
 from sim.scene.world import World
 
 # MuJoCo's own: keeps a surface from shadowing itself, at the slope of the surface.
 _OFFSET_FACTOR, _OFFSET_UNITS = -1.5, -4.0
+# Filters, wrapping and comparison of a texture; the last two are of OpenGL 1.4, whose names we do
+# not load.
+_SETTINGS = (0x2800, 0x2801, 0x2802, 0x2803, 0x884C, 0x884D)
 _BORDER_PX = 1  # stays empty, so that no shadow at the border goes on for ever
 
 
@@ -29,12 +34,15 @@ def update_scene(model: Any, data: Any, option: Any, camera: Any, scene: Any) ->
 
 
 class ShadowMap:
-    """Draws the depth of what casts shadows, as the light sees it; belongs to its canvas.
+    """Draws the depth of what casts shadows, as a light sees it; belongs to its canvas.
 
-    texture: the map's, as OpenGL names it.
+    number: of the light among those that cast shadows; the first has MuJoCo's own map, the second
+    one like it. texture: the map's, as OpenGL names it.
     """
 
-    def __init__(self, world: World, context: Any, near_m: float, far_m: float) -> None:
+    def __init__(
+        self, world: World, context: Any, near_m: float, far_m: float, number: int = 0
+    ) -> None:
         mujoco = self._mujoco = load_mujoco()
         self._gl = functions()
         self._model, self._data, self._context = world.model, world.data, context
@@ -42,7 +50,10 @@ class ShadowMap:
         self._scene = mujoco.MjvScene(self._model, maxgeom=self._model.ngeom + 50)
         self._drawn: tuple[frozenset[int], NDArray[Any], NDArray[Any]] | None = None
         self._world_to_map: Floats | None = None
-        self.texture = int(context.shadowTex)
+        self._number = number
+        self.texture, self._frame_buffer = int(context.shadowTex), int(context.shadowFBO)
+        if number:
+            self.texture, self._frame_buffer = _another(self.texture, int(context.shadowSize))
         self._clear()
 
     def draw(self, option: Any, groups: Collection[int]) -> Floats | None:
@@ -57,9 +68,17 @@ class ShadowMap:
             self._drawn = drawn
         return self._world_to_map
 
+    def close(self) -> None:
+        """Free a map that is not MuJoCo's own."""
+        if self._number:
+            name = ctypes.c_uint(self._frame_buffer)
+            self._gl.glDeleteFramebuffers(1, ctypes.byref(name))
+            name = ctypes.c_uint(self.texture)
+            self._gl.glDeleteTextures(1, ctypes.byref(name))
+
     def _clear(self) -> None:
         gl = self._gl
-        gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._context.shadowFBO)
+        gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._frame_buffer)
         gl.glDrawBuffer(gl.GL_NONE)
         gl.glClearDepth(0.0)
         gl.glClear(gl.GL_DEPTH_BUFFER_BIT)
@@ -69,12 +88,12 @@ class ShadowMap:
         mujoco, scene, gl = self._mujoco, self._scene, self._gl
         update_scene(self._model, self._data, option, mujoco.MjvCamera(), scene)
         casting = [light for light in scene.lights[: scene.nlight] if light.castshadow]
-        if not casting:
+        if len(casting) <= self._number:
             return None
         for geom in scene.geoms[: scene.ngeom]:
             if not geom.castshadow:
                 geom.segid = -1  # is not drawn
-        position, forward, up = _axes(casting[0])
+        position, forward, up = _axes(casting[self._number])
         half = float(self._context.shadowClip)
         for eye in scene.camera:
             eye.pos, eye.forward, eye.up = position, forward, up
@@ -84,7 +103,7 @@ class ShadowMap:
             eye.frustum_near, eye.frustum_far = self._near_m, self._far_m
         scene.flags[:] = 0
         scene.flags[mujoco.mjtRndFlag.mjRND_SEGMENT] = 1  # depth is wanted, no light
-        gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._context.shadowFBO)
+        gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._frame_buffer)
         gl.glEnable(gl.GL_POLYGON_OFFSET_FILL)
         gl.glPolygonOffset(_OFFSET_FACTOR, _OFFSET_UNITS)
         inside = int(self._context.shadowSize) - 2 * _BORDER_PX
@@ -103,6 +122,32 @@ class ShadowMap:
         light_to_map = np.diag([inside / (2 * half_m), inside / (2 * half_m), 1.0 / depth_m, 1.0])
         light_to_map[:3, 3] = 0.5, 0.5, self._far_m / depth_m
         return np.asarray(light_to_map @ world_to_light)
+
+
+def _another(texture: int, size: int) -> tuple[int, int]:
+    """A depth texture with the settings of another one, and a frame buffer that draws into it."""
+    gl, target = functions(), functions().GL_TEXTURE_2D
+    value, settings = ctypes.c_int(), {}
+    gl.glBindTexture(target, texture)
+    for name in _SETTINGS:
+        gl.glGetTexParameteriv(target, name, ctypes.byref(value))
+        settings[name] = value.value
+    gl.glGetTexLevelParameteriv(target, 0, gl.GL_TEXTURE_INTERNAL_FORMAT, ctypes.byref(value))
+    made, frame_buffer = ctypes.c_uint(), ctypes.c_uint()
+    gl.glGenTextures(1, ctypes.byref(made))
+    gl.glBindTexture(target, made.value)
+    gl.glTexImage2D(target, 0, value.value, size, size, 0, gl.GL_DEPTH_COMPONENT, gl.GL_FLOAT, None)
+    for name, setting in settings.items():
+        gl.glTexParameteri(target, name, setting)
+    gl.glBindTexture(target, 0)
+    gl.glGenFramebuffers(1, ctypes.byref(frame_buffer))
+    gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, frame_buffer.value)
+    gl.glFramebufferTexture2D(gl.GL_FRAMEBUFFER, gl.GL_DEPTH_ATTACHMENT, target, made.value, 0)
+    gl.glDrawBuffer(gl.GL_NONE)
+    gl.glReadBuffer(gl.GL_NONE)
+    if gl.glCheckFramebufferStatus(gl.GL_FRAMEBUFFER) != gl.GL_FRAMEBUFFER_COMPLETE:
+        raise InfrastructureError("the OpenGL driver has no second shadow map", REMEDY)
+    return made.value, frame_buffer.value
 
 
 def _axes(light: Any) -> tuple[Floats, Floats, Floats]:

@@ -8,6 +8,7 @@ on its pose and on the still scene, never on what was drawn before it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -44,17 +45,37 @@ class StillView:
 
 
 @dataclass(frozen=True, eq=False)
+class MapBoxes:
+    """The ends low, high (rows, columns, 3) of a box around each tile's surfaces on a shadow map:
+    across, up, depth, which grows towards the light.
+    """
+
+    low: Floats
+    high: Floats
+
+    def shaded_by(self, low: Floats, high: Floats) -> Window:
+        """The window of tiles that may show a shadow of boxes (n, 3) on the shadow map.
+
+        All of a box is in the way of what is behind its nearest side.
+        """
+        meets = np.ones((*self.low.shape[:2], len(low)), dtype=bool)
+        for axis in range(3):
+            meets &= self.low[:, :, axis, None] <= high[:, axis] + _MAP_MARGIN
+            if axis < 2:
+                meets &= self.high[:, :, axis, None] >= low[:, axis] - _MAP_MARGIN
+        return _window(np.asarray(meets.any(axis=-1)))
+
+
+@dataclass(frozen=True, eq=False)
 class Tiles:
     """Where the surfaces lie that a view shows in each of its tiles of TILE_PX, row by row.
 
-    far_m (rows, columns): planar depth of the farthest. low, high (rows, columns, 3): the ends of
-    a box around them on the shadow map: across, up, depth, which grows towards the light; None
-    where no light casts shadows.
+    far_m (rows, columns): planar depth of the farthest. on_maps: their boxes on the shadow map of
+    each light with shadows.
     """
 
     far_m: Floats
-    low: Floats | None
-    high: Floats | None
+    on_maps: tuple[MapBoxes, ...]
 
     def showing(self, camera: Camera, boxes_w: Floats) -> Window:
         """The window of tiles in which something in boxes (n, 8, 3) may be seen."""
@@ -67,23 +88,12 @@ class Tiles:
         meets &= bounds.near_m <= self.far_m[:, :, None]
         return _window(np.asarray(meets.any(axis=-1)))
 
-    def shaded_by(self, low: Floats, high: Floats) -> Window:
-        """The window of tiles that may show a shadow of boxes (n, 3) on the shadow map.
-
-        All of a box is in the way of what is behind its nearest side.
-        """
-        if self.low is None or self.high is None:
-            return Window(0, 0, 0, 0)
-        meets = np.ones((*self.far_m.shape, len(low)), dtype=bool)
-        for axis in range(3):
-            meets &= self.low[:, :, axis, None] <= high[:, axis] + _MAP_MARGIN
-            if axis < 2:
-                meets &= self.high[:, :, axis, None] >= low[:, axis] - _MAP_MARGIN
-        return _window(np.asarray(meets.any(axis=-1)))
-
 
 def tiles_of(
-    camera: Camera, fine_depth_m: NDArray[np.float32], scale: int, world_to_map: Floats | None
+    camera: Camera,
+    fine_depth_m: NDArray[np.float32],
+    scale: int,
+    world_to_maps: Sequence[Floats],
 ) -> Tiles:
     """Tiles of what a camera sees: planar depth (s h, s w) [m], rows from below, s times as fine.
 
@@ -99,8 +109,8 @@ def tiles_of(
     )
     tiles = padded.reshape(rows, step, columns, step)
     near_m, far_m = (np.asarray(end(tiles, axis=(1, 3)), float) for end in (np.min, np.max))
-    if world_to_map is None:
-        return Tiles(far_m, None, None)
+    if not world_to_maps:
+        return Tiles(far_m, ())
     x = TILE_PX * np.arange(columns + 1) - 0.5
     y = TILE_PX * np.arange(rows + 1) - 0.5
     grid = np.stack([*np.meshgrid(x, y), np.ones((rows + 1, columns + 1))], axis=-1)
@@ -108,9 +118,12 @@ def tiles_of(
     corners = [rays_w[i : rows + i, j : columns + j] for i in (0, 1) for j in (0, 1)]
     ends_m = np.stack([near_m, far_m], axis=-1)
     points = np.stack(corners, axis=2)[:, :, :, None] * ends_m[:, :, None, :, None]
-    on_map = (points + camera.centre_w) @ world_to_map[:3, :3].T + world_to_map[:3, 3]
-    boxes = on_map.reshape(rows, columns, -1, 3)
-    return Tiles(far_m, boxes.min(axis=2), boxes.max(axis=2))
+    on_maps = []
+    for world_to_map in world_to_maps:
+        on_map = (points + camera.centre_w) @ world_to_map[:3, :3].T + world_to_map[:3, 3]
+        boxes = on_map.reshape(rows, columns, -1, 3)
+        on_maps.append(MapBoxes(boxes.min(axis=2), boxes.max(axis=2)))
+    return Tiles(far_m, tuple(on_maps))
 
 
 def _window(tiles: NDArray[np.bool_]) -> Window:
@@ -126,7 +139,7 @@ def _window(tiles: NDArray[np.bool_]) -> Window:
 class StillScene:
     """The poses of the still scene's geoms, and its views.
 
-    shown (ngeom,) bool: the geoms that it shows.
+    shown (ngeom,) bool: the geoms that it shows. edge_m: half the width of its shadows' edges.
     """
 
     def __init__(
@@ -135,13 +148,15 @@ class StillScene:
         model: Any,
         data: Any,
         shown: NDArray[np.bool_],
-        world_to_map: Floats | None,
+        world_to_maps: tuple[Floats, ...],
         views: tuple[StillView, ...],
+        edge_m: float = 0.0,
     ) -> None:
         self.views = views
+        self._edge_m = edge_m
         self._boxes, self._shown = boxes, shown
         self._casts = np.asarray(model.geom_castshadow, dtype=bool)
-        self._world_to_map = world_to_map
+        self._world_to_maps = world_to_maps
         self._xpos, self._xmat = data.geom_xpos.copy(), data.geom_xmat.copy()
         self._corners = boxes.corners(data, np.ones_like(shown))
 
@@ -160,12 +175,15 @@ class StillScene:
         view = self.views[index]
         width, height = view.camera.width_px, view.camera.height_px
         labels = view.tiles.showing(view.camera, corners).within(width, height)
-        if self._world_to_map is None:
+        if not self._world_to_maps:
             return labels, labels
         of = np.concatenate(
             [self._boxes.geoms[which[self._boxes.geoms]] for which in (now, before)]
         )
-        casting = corners[self._casts[of]]
-        on_map = casting @ self._world_to_map[:3, :3].T + self._world_to_map[:3, 3]
-        shadows = view.tiles.shaded_by(on_map.min(axis=1), on_map.max(axis=1))
-        return labels, joined(labels, shadows.within(width, height))
+        casting, colours = corners[self._casts[of]], labels
+        for boxes, world_to_map in zip(view.tiles.on_maps, self._world_to_maps, strict=True):
+            on_map = casting @ world_to_map[:3, :3].T + world_to_map[:3, 3]
+            edge = self._edge_m * np.linalg.norm(world_to_map[:3, :3], axis=1)
+            shadows = boxes.shaded_by(on_map.min(axis=1) - edge, on_map.max(axis=1) + edge)
+            colours = joined(colours, shadows.within(width, height))
+        return labels, colours

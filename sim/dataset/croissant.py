@@ -8,8 +8,8 @@ from typing import Any
 
 from sim.dataset.croissant_fields import record_set_of_pictures, record_set_of_table
 from sim.dataset.files.checksums import sha256_of
-from sim.dataset.files.layout import CONVENTIONS, LABELS, OBJECTS, TRUTH
-from sim.dataset.files.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA
+from sim.dataset.files.layout import CONVENTIONS, LABELS, OBJECTS, SKELETON, TRUTH
+from sim.dataset.files.tables import OBJECTS_SCHEMA, SKELETON_SCHEMA, TRUTH_SCHEMA
 from sim.dataset.reader import Dataset
 from sim.scene.world import CAMERAS
 
@@ -19,8 +19,8 @@ LICENCE_URL = "https://creativecommons.org/licenses/by/4.0/"
 NAME = "Head and hands in stereo"
 DESCRIPTION = (
     "Rendered stereo sequences of a seated person, with exact labels of the head and both hands in "
-    "every frame and view: depth, instance and amodal masks, boxes, keypoints, positions, "
-    "velocities, disparity."
+    "every frame and view: depth, instance and amodal masks, boxes, keypoints, hand joints, "
+    "positions, velocities, disparity."
 )
 CITATION = "The pjpdaf-bench authors: {name}, made with pjpdaf-bench {version}. CC BY 4.0."
 # The context of JSON-LD, as the standard gives it in appendix 1.
@@ -87,6 +87,9 @@ def croissant_record(dataset: Dataset) -> dict[str, Any]:
             *_single_files(dataset.folder),
             _file_set("truth-tables", "A row a frame and target", f"seq_*/{TRUTH}", PARQUET),
             _file_set("object-tables", "A row a frame and object", f"seq_*/{OBJECTS}", PARQUET),
+            _file_set(
+                "skeleton-tables", "A row a frame and skeleton", f"seq_*/{SKELETON}", PARQUET
+            ),
             *(
                 _file_set(f"pictures-{folder}", text, f"seq_*/{folder}/*.png", "image/png")
                 for folder, text in folders.items()
@@ -98,6 +101,12 @@ def croissant_record(dataset: Dataset) -> dict[str, Any]:
             ),
             record_set_of_table(
                 "objects", "object-tables", "The objects: a row a frame and object", OBJECTS_SCHEMA
+            ),
+            record_set_of_table(
+                "skeletons",
+                "skeleton-tables",
+                "Joints of both hands and points of the upper body: a row a frame and skeleton",
+                SKELETON_SCHEMA,
             ),
             *(record_set_of_pictures(folder, text) for folder, text in folders.items()),
         ],
@@ -118,7 +127,8 @@ def _folders(dataset: Dataset) -> dict[str, str]:
         for folder in LABELS.get(label, ()):
             kind, _, view = folder.rpartition("_")
             if kind != "float":  # NPZ
-                folders[folder] = f"{kind.capitalize()} of the {view} view; {CONVENTIONS} says how"
+                title = kind.replace("_", " ").capitalize()
+                folders[folder] = f"{title} of the {view} view; {CONVENTIONS} says how"
     return folders
 
 

@@ -9,7 +9,7 @@ import pyarrow as pa
 _SEQUENCE = r".*(seq_\d{6}).*"
 _NUMBER = r".*?(\d{6})\.png"
 # Readers of Croissant turn a picture into RGB of 8 bits: of these they get the file's name.
-_SIXTEEN_BITS = ("depth", "disparity", "correspondence")
+_SIXTEEN_BITS = ("depth", "disparity", "correspondence", "flow")
 
 
 def record_set_of_table(

@@ -1,4 +1,4 @@
-"""The rows of truth.parquet and objects.parquet by frame, checked."""
+"""The rows of a sequence's tables by frame, checked."""
 
 from __future__ import annotations
 
@@ -12,10 +12,17 @@ import pyarrow.compute as pc
 
 from pjpdaf.errors import FileError
 from pjpdaf.targets import TARGETS
-from sim.dataset.files.layout import OBJECTS, RIG, TRUTH
+from sim.dataset.files.layout import OBJECTS, RIG, SKELETON, TRUTH
 from sim.dataset.files.reading import read_table
-from sim.dataset.files.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA
-from sim.dataset.labels.records import KEYPOINTS, NOT_LABELLED, OCCLUDED, VISIBLE
+from sim.dataset.files.tables import OBJECTS_SCHEMA, SKELETON_SCHEMA, TRUTH_SCHEMA
+from sim.dataset.labels.records import (
+    HAND_SKELETONS,
+    KEYPOINTS,
+    NOT_LABELLED,
+    OCCLUDED,
+    SKELETONS,
+    VISIBLE,
+)
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
@@ -26,7 +33,8 @@ _MAY_LACK = ("u_", "v_", "box_", "amodal_box_", "surface_")
 
 @dataclass(frozen=True, eq=False)
 class FrameRows:
-    """A frame's rows of truth.parquet, in the order of TARGETS, and of objects.parquet.
+    """A frame's rows of truth.parquet, in the order of TARGETS, of objects.parquet, and of
+    skeletons.parquet, in the order of SKELETONS.
 
     arrived: by camera, whether its picture arrived.
     """
@@ -37,6 +45,7 @@ class FrameRows:
     arrived: Mapping[str, bool]
     targets: tuple[FrameRow, ...]
     objects: tuple[FrameRow, ...]
+    skeletons: tuple[FrameRow, ...]
 
 
 def read_frame_rows(sequence: StoredSequence) -> list[FrameRows]:
@@ -47,6 +56,7 @@ def read_frame_rows(sequence: StoredSequence) -> list[FrameRows]:
     if len(rows) != T * count:
         raise FileError(path, f"must have {T * count} rows ({count} frames), has {len(rows)}")
     objects = _objects(sequence)
+    skeletons = _skeletons(sequence, count)
     frames = []
     for index in range(count):
         targets = tuple(rows[T * index : T * (index + 1)])
@@ -70,6 +80,7 @@ def read_frame_rows(sequence: StoredSequence) -> list[FrameRows]:
                 {camera: first[f"arrived_{camera}"] for camera in CAMERAS},
                 targets,
                 tuple(objects.get(index, ())),
+                skeletons[index],
             )
         )
     return frames
@@ -98,6 +109,31 @@ def _objects(sequence: StoredSequence) -> dict[int, list[FrameRow]]:
     for row in _rows(sequence.folder / OBJECTS, OBJECTS_SCHEMA):
         objects.setdefault(row["frame_index"], []).append(row)
     return objects
+
+
+def _skeletons(sequence: StoredSequence, frames: int) -> list[tuple[FrameRow, ...]]:
+    """The rows of skeletons.parquet by frame."""
+    path = sequence.folder / SKELETON
+    rows = _rows(path, SKELETON_SCHEMA)
+    wanted = [(index, name) for index in range(frames) for name in SKELETONS]
+    if [(row["frame_index"], row["skeleton"]) for row in rows] != wanted:
+        raise FileError(
+            path, f"must have the rows of {', '.join(SKELETONS)}, in this order, of {frames} frames"
+        )
+    for row in rows:
+        name = row["skeleton"]
+        count = len(SKELETONS[name])
+        angles = [len(finger or ()) for finger in row["finger_angles_rad"]]
+        shaped = _points(row["points_m"], [OCCLUDED] * count, 3) and all(
+            len(row[f"point_status_{camera}"]) == count
+            and _points(row[f"points_{camera}_px"], row[f"point_status_{camera}"], 2)
+            for camera in CAMERAS
+        )
+        if not shaped or angles != ([3] * 5 if name in HAND_SKELETONS else []):
+            frame = row["frame_index"]
+            raise FileError(path, f"frame {frame}: {name}: a point or angle is of the wrong size")
+    n = len(SKELETONS)
+    return [tuple(rows[n * index : n * (index + 1)]) for index in range(frames)]
 
 
 def _rows(path: Path, schema: pa.Schema) -> list[dict[str, Any]]:

@@ -20,6 +20,7 @@ from pjpdaf.errors import FileError
 from pjpdaf.targets import TARGETS
 from sim.camera.rays import cast
 from sim.dataset.files.layout import DEPTH_UNIT_M
+from sim.dataset.labels.classes import classes_of
 from sim.dataset.labels.instances import Instances, instances_of
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
@@ -39,7 +40,8 @@ class RayFigures:
     rays: number of rays; pixels: of the pictures; wrong: number of pixels that show another
     instance, where a ray of the grid counts for its square and a ray near a target's border for its
     pixel. target_pixels, target_wrong (T,): pixels of each target's masks, and pixels in exactly
-    one of the masks of file and truth. depths_m: |difference| of all rays of the grid whose
+    one of the masks of file and truth. class_wrong: as wrong, of the semantic classes, None without
+    that label. depths_m: |difference| of all rays of the grid whose
     ids agree; most_m: the maximum, near borders too.
     """
 
@@ -48,6 +50,7 @@ class RayFigures:
     wrong: float
     target_pixels: NDArray[np.int64]
     target_wrong: Floats
+    class_wrong: float | None
     depths_m: NDArray[np.float32]
     most_m: float
 
@@ -62,6 +65,11 @@ class RayFigures:
         return np.asarray(self.target_wrong / np.maximum(self.target_pixels, 1))
 
     @property
+    def class_share(self) -> float:
+        """Share of all pixels whose semantic class differs; 0 without that label."""
+        return (self.class_wrong or 0.0) / max(self.pixels, 1)
+
+    @property
     def median_m(self) -> float:
         """Median |difference| of depth, 0 without compared pixels."""
         return float(np.median(self.depths_m)) if len(self.depths_m) else 0.0
@@ -74,19 +82,22 @@ class RayFigures:
     @property
     def met(self) -> bool:
         """Whether the files meet the goals MOST_WRONG and MOST_MEDIAN_M."""
-        return self.wrong_share <= MOST_WRONG and self.median_m <= MOST_MEDIAN_M
+        shares = self.wrong_share, self.class_share
+        return max(shares) <= MOST_WRONG and self.median_m <= MOST_MEDIAN_M
 
 
 def pooled(all_figures: Iterable[RayFigures]) -> RayFigures:
     """Pool the figures of several comparisons; all 0 without any."""
     parts = list(all_figures)
     zeros = np.zeros(len(TARGETS))
+    classes = [part.class_wrong for part in parts if part.class_wrong is not None]
     return RayFigures(
         rays=sum(part.rays for part in parts),
         pixels=sum(part.pixels for part in parts),
         wrong=sum(part.wrong for part in parts),
         target_pixels=sum((part.target_pixels for part in parts), zeros.astype(np.int64)),
         target_wrong=sum((part.target_wrong for part in parts), zeros),
+        class_wrong=sum(classes) if classes else None,
         depths_m=np.concatenate([np.zeros(0, np.float32), *(part.depths_m for part in parts)]),
         most_m=max((part.most_m for part in parts), default=0.0),
     )
@@ -148,12 +159,17 @@ def _of_view(
     known = np.isfinite(off_m)
     of_grid = known & grid[ys, xs][met == stored]
     targets = 1 + np.arange(len(TARGETS))
+    class_wrong = None
+    if sequence.has(f"semantic_{CAMERAS[view]}"):
+        other = classes_of(world)[geoms] != sequence.classes(view, index)[ys, xs]
+        class_wrong = float(stands_for[other].sum())
     return RayFigures(
         rays=len(xs),
         pixels=seg.size,
         wrong=float(stands_for[met != stored].sum()),
         target_pixels=np.array([np.count_nonzero(seg == t) for t in targets]),
         target_wrong=np.array([stands_for[(met == t) != (stored == t)].sum() for t in targets]),
+        class_wrong=class_wrong,
         depths_m=off_m[of_grid].astype(np.float32),
         most_m=float(off_m[known].max(initial=0.0)),
     )
@@ -175,8 +191,14 @@ def lines_of(figures: RayFigures) -> list[str]:
         f"{target} {share:.3%}"
         for target, share in zip(TARGETS, figures.target_shares, strict=True)
     )
+    classes = (
+        []
+        if figures.class_wrong is None
+        else [f"classes: {figures.class_share:.4%} of pixels differ (goal {MOST_WRONG:.1%})"]
+    )
     return [
         f"ids: {figures.wrong_share:.4%} of pixels differ (goal {MOST_WRONG:.1%})",
+        *classes,
         f"masks: pixels that differ, of the mask's: {shares}",
         f"depth: median {1e3 * figures.median_m:.4f} mm off (goal {1e3 * MOST_MEDIAN_M:.2f} mm), "
         f"99 % within {1e3 * figures.rarely_m:.3f} mm, at most {1e3 * figures.most_m:.2f} mm; "

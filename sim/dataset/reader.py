@@ -11,7 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from pjpdaf.errors import FileError
-from sim.dataset.files.layout import KIND, MANIFEST, SCHEMA_VERSION, is_sequence_name
+from sim.dataset.files.layout import (
+    KIND,
+    MANIFEST,
+    OLDEST_VERSION,
+    SCHEMA_VERSION,
+    is_sequence_name,
+)
 from sim.dataset.files.reading import check_inside, read_json
 from sim.dataset.stored_sequence import StoredSequence
 
@@ -44,10 +50,9 @@ def open_dataset(folder: Path | str) -> Dataset:
     manifest = read_json(path)
     if manifest.get("kind") != KIND:
         raise FileError(path, "is not the manifest of a data set")
-    if manifest.get("schema") != SCHEMA_VERSION:
-        raise FileError(
-            path, f"is of version {manifest.get('schema')!r}, this is version {SCHEMA_VERSION}"
-        )
+    version = manifest.get("schema")
+    if type(version) is not int or not OLDEST_VERSION <= version <= SCHEMA_VERSION:
+        raise FileError(path, f"is of version {version!r}, this is version {SCHEMA_VERSION}")
     entries = manifest.get("sequences")
     settings = manifest.get("settings")
     if not isinstance(entries, list) or not isinstance(settings, dict):

@@ -225,8 +225,13 @@ class _Totals:
 
 def skin_ita_deg(recipe: Mapping[str, Any]) -> float:
     """Skin tone in a recipe, individual typology angle [deg]; NaN where it has none."""
+    return recipe_value(recipe, "skin_ita")
+
+
+def recipe_value(recipe: Mapping[str, Any], name: str) -> float:
+    """A number among the drawn values of a recipe; NaN where it has none."""
     values = recipe.get("values")
-    value = values.get("skin_ita") if isinstance(values, Mapping) else None
+    value = values.get(name) if isinstance(values, Mapping) else None
     if isinstance(value, bool) or not isinstance(value, int | float):
         return math.nan
     return float(value)

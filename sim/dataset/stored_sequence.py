@@ -20,11 +20,25 @@ from pjpdaf.camera import StereoRig
 from pjpdaf.errors import FileError
 from pjpdaf.frames import StereoFrame
 from pjpdaf.targets import TARGETS
+from sim.camera.normals import decoded
 from sim.dataset.files import encode
 from sim.dataset.files.cameras import camera_of
-from sim.dataset.files.layout import EVENTS, OBJECTS, RECIPE, RIG, TRUTH, picture_name
+from sim.dataset.files.layout import (
+    EVENTS,
+    OBJECTS,
+    RECIPE,
+    RIG,
+    SKELETON,
+    TRUTH,
+    picture_name,
+)
 from sim.dataset.files.reading import check_inside, read_json, read_table
-from sim.dataset.files.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA, truth_of_rows
+from sim.dataset.files.tables import (
+    OBJECTS_SCHEMA,
+    SKELETON_SCHEMA,
+    TRUTH_SCHEMA,
+    truth_of_rows,
+)
 from sim.dataset.labels.instances import Instance
 from sim.dataset.labels.records import Matches
 from sim.scene.world import CAMERAS
@@ -132,6 +146,11 @@ class StoredSequence:
         """objects.parquet: a row per frame and object."""
         return read_table(self.path(OBJECTS), OBJECTS_SCHEMA).to_pandas()
 
+    @cached_property
+    def skeletons(self) -> pd.DataFrame:
+        """skeletons.parquet: a row per frame and skeleton."""
+        return read_table(self.path(SKELETON), SKELETON_SCHEMA).to_pandas()
+
     @property
     def truths(self) -> tuple[Truth, ...]:
         """The truth of every frame, in order, bit for bit as it was simulated."""
@@ -217,6 +236,19 @@ class StoredSequence:
         return encode.matches_from_png(
             self.picture(f"correspondence_{CAMERAS[view]}", index, np.uint16, 3)
         )
+
+    def classes(self, view: int, index: int) -> NDArray[np.uint8]:
+        """Semantic classes (h, w) of `sim.dataset.labels.classes.CLASSES`."""
+        return self.picture(f"semantic_{CAMERAS[view]}", index, np.uint8, 1)
+
+    def normals(self, view: int, index: int) -> NDArray[np.float32]:
+        """Unit normals (h, w, 3) in the camera's frame, NaN for nothing."""
+        return decoded(self.picture(f"normals_{CAMERAS[view]}", index, np.uint8, 3)[..., ::-1])
+
+    def flow(self, view: int, index: int, direction: str = "forward") -> Matches:
+        """Positions [px] in the next frame's picture, or "backward" in that before, and status."""
+        folder = f"flow_{direction}_{CAMERAS[view]}"
+        return encode.matches_from_png(self.picture(folder, index, np.uint16, 3))
 
     def floats(self, view: int, index: int) -> dict[str, NDArray[np.float32]]:
         """Arrays of the label `float` of a view: depth_m, disparity_px, places_px."""

@@ -27,11 +27,12 @@ from sim.dataset.files.layout import (
     OBJECTS,
     RECIPE,
     RIG,
+    SKELETON,
     TRUTH,
     picture_name,
 )
 from sim.dataset.files.table_writer import TableWriter, writing_tables
-from sim.dataset.files.tables import object_rows, truth_rows
+from sim.dataset.files.tables import object_rows, skeleton_rows, truth_rows
 from sim.dataset.labels.events import events_of
 from sim.dataset.labels.instances import Instances
 from sim.dataset.labels.labeller import Labeller
@@ -70,6 +71,8 @@ def write_sequence(
         hidden: list[list[NDArray[np.int64]]] = []
         for index in range(simulation.frame_count):
             rendered, frame_labels = _add_frame(labeller, files, tables, labels, index)
+            if "flow" in labels and index:
+                _add_flow(labeller, files, index - 1, ("forward", "backward"))
             truths.append(rendered.truth)
             hidden.append([view.hidden_px for view in frame_labels.views])
             on_frame(index)
@@ -89,13 +92,35 @@ def write_sequence(
     return Written(simulation.frame_count, len(paths) + 1, size)
 
 
-def write_frame(simulation: Simulation, folder: Path, labels: Collection[str], index: int) -> None:
-    """Write the pictures and labels of one frame, under their names in the sequence.
+def write_frames(
+    simulation: Simulation, folder: Path, labels: Collection[str], indices: range
+) -> None:
+    """Write the pictures and labels of frames that follow each other, and the flow between these.
 
     Raises OSError of the disk.
     """
+    labeller = _labeller(simulation, labels)
     with encoding_into(folder) as files, writing_tables(folder) as tables:
-        _add_frame(_labeller(simulation, labels), files, tables, labels, index)
+        for index in indices:
+            _add_frame(labeller, files, tables, labels, index)
+            if "flow" in labels and index > indices[0]:
+                _add_flow(labeller, files, index - 1, ("forward", "backward"))
+
+
+def write_frame(simulation: Simulation, folder: Path, labels: Collection[str], index: int) -> None:
+    """Write the pictures and labels of one frame, under their names in the sequence.
+
+    For optical flow the frames beside it are rendered as well.
+
+    Raises OSError of the disk.
+    """
+    labeller = _labeller(simulation, labels)
+    with encoding_into(folder) as files, writing_tables(folder) as tables:
+        _add_frame(labeller, files, tables, labels, index)
+        if "flow" in labels and index:
+            _add_flow(labeller, files, index - 1, ("backward",))
+        if "flow" in labels and index + 1 < simulation.frame_count:
+            _add_flow(labeller, files, index, ("forward",))
 
 
 def _labeller(simulation: Simulation, labels: Collection[str]) -> Labeller:
@@ -116,7 +141,25 @@ def _add_frame(
     rows = truth_rows(frame.time_s, arrived, truth, frame_labels, labeller.instances)
     tables.add(TRUTH, rows)
     tables.add(OBJECTS, object_rows(truth, frame_labels))
+    tables.add(SKELETON, skeleton_rows(truth, frame_labels))
     return rendered, frame_labels
+
+
+def _add_flow(
+    labeller: Labeller, files: FileEncoder, index: int, directions: Collection[str]
+) -> None:
+    """Write the flow from a frame to the next, and from the next back to it."""
+    flow = labeller.flow(index)
+    pairs = {"forward": (index, flow.forward), "backward": (index + 1, flow.backward)}
+    for direction in directions:
+        frame, views = pairs[direction]
+        for camera, matches in zip(CAMERAS, views, strict=True):
+            path = f"flow_{direction}_{camera}/{picture_name(frame)}"
+            files.add(path, partial(_flow_png, matches))
+
+
+def _flow_png(matches: Matches) -> bytes:
+    return encode.png(encode.matches_to_png(matches))
 
 
 def _add_pictures(files: FileEncoder, prefix: str, frame: StereoFrame) -> None:
@@ -145,6 +188,11 @@ def _add_labels(
     add("depth", "depth", lambda: encode.depth_to_png(labels.depth_m))
     add("seg", "seg", lambda: labels.instances)
     add("amodal", "amodal", lambda: encode.amodal_to_png(labels.amodal))
+    classes, normals = labels.classes, labels.normals
+    if classes is not None:
+        add("semantic", "semantic", lambda: classes)
+    if normals is not None:
+        add("normals", "normals", lambda: normals[..., ::-1])
     rectified, matches = labels.rectified, labels.matches
     if rectified is not None:
         add("disparity", "disparity", lambda: _disparity(rectified))

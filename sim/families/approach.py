@@ -52,10 +52,13 @@ class Approach:
     bows_m: tuple[Floats, Floats]
 
 
-def approach(stage: Stage, bow_m: float = 0.0) -> Approach:
+def approach(
+    stage: Stage, bow_m: float = 0.0, hands: tuple[HandPlanner, HandPlanner] | None = None
+) -> Approach:
     """Raise both hands, as the parameters `PARAMETERS` say, ready to stroke across the middle.
 
-    bow_m: bow of the strokes to come, along the depth, away from each other.
+    bow_m: bow of the strokes to come, along the depth, away from each other; hands: what they did
+    before, None: they rested.
     """
     front = stage.side("front")
     gap = stage.number("depth_gap")
@@ -78,7 +81,7 @@ def approach(stage: Stage, bow_m: float = 0.0) -> Approach:
         apart.append(replace(held, position_m=centre + spread * lateral))
         crossed.append(replace(held, position_m=centre - past * lateral))
         bows.append(np.array([2.0 * ahead * bow_m, 0.0, 0.0]))
-    hands = stage.planners(stage.start_s)
+    hands = hands or stage.planners(stage.start_s)
     for side in (0, 1):
         hands[side].move(apart[side], stage.number("raise_speed"), RISING_M)
     meet(hands, 0.4)

@@ -39,6 +39,16 @@ def _merging(stage: Stage, a: Approach) -> tuple[float, float]:
 def _cross(stage: Stage) -> MotionPlan:
     """The hands pass each other, stay crossed, and go back if the parameter `back` says so."""
     a = approach(stage, stage.number("bow"))
+    cues = crossing(stage, a)
+    if stage.values["back"] == "yes":
+        for hand in a.hands:
+            hand.wait(0.4)
+        lower(stage, a.hands)
+    return stage.plan(a.hands, cues=tuple(cues))
+
+
+def crossing(stage: Stage, a: Approach) -> list[Cue]:
+    """Add the moves of hands that pass each other, stay crossed and may go back; returns cues."""
     speed = stage.number("speed")
     strokes = [a.hands[s].move(a.crossed[s], speed, a.bows_m[s]) for s in (0, 1)]
     cues = [during("cross", strokes[0], _merging(stage, a))]
@@ -50,10 +60,7 @@ def _cross(stage: Stage) -> MotionPlan:
     if stage.values["back"] == "yes":
         strokes = [a.hands[s].move(a.apart[s], speed, a.bows_m[s]) for s in (0, 1)]
         cues.append(Cue("cross_back", strokes[0].start_s, strokes[0].end_s))
-        for hand in a.hands:
-            hand.wait(0.4)
-        lower(stage, a.hands)
-    return stage.plan(a.hands, cues=tuple(cues))
+    return cues
 
 
 def _touching(stage: Stage, a: Approach) -> tuple[Floats, Floats]:
@@ -83,6 +90,15 @@ def _touching(stage: Stage, a: Approach) -> tuple[Floats, Floats]:
 def _bounce(stage: Stage) -> MotionPlan:
     """The same approach, but where the hands would merge they brake, touch and return."""
     a = approach(stage, stage.number("bow"))
+    cues = bouncing(stage, a)
+    for hand in a.hands:
+        hand.wait(stage.number("hold"))
+    lower(stage, a.hands)
+    return stage.plan(a.hands, cues=tuple(cues))
+
+
+def bouncing(stage: Stage, a: Approach) -> list[Cue]:
+    """Add the moves of hands that approach, touch and return; returns their cues."""
     speed = stage.number("speed")
     meeting = _merging(stage, a)[0]
     touching = _touching(stage, a)
@@ -98,10 +114,7 @@ def _bounce(stage: Stage) -> MotionPlan:
     touched = a.hands[0].moves[-1].start_s
     cues.append(Cue("touch", ended, touched))
     cues.append(Cue("return", touched, a.hands[0].clock_s))
-    for hand in a.hands:
-        hand.wait(stage.number("hold"))
-    lower(stage, a.hands)
-    return stage.plan(a.hands, cues=tuple(cues))
+    return cues
 
 
 FAMILIES: Mapping[str, Family] = {

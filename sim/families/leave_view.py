@@ -17,7 +17,7 @@ from sim.families.touching import hand_bars
 from sim.motion.bisection import bisect
 from sim.motion.carriage import Carriage, Lean
 from sim.motion.motion import Cue, MotionPlan
-from sim.motion.planner import raised
+from sim.motion.planner import HandPlanner, raised
 from sim.motion.posture import posture
 from sim.motion.stage import Family, Stage
 from sim.motion.strokes import HandState
@@ -80,7 +80,19 @@ def _lean_towards(stage: Stage, side: int, state: HandState) -> float:
 
 def _leave_view(stage: Stage) -> MotionPlan:
     """A hand reaches sideways past the edge of one picture, then of both, and comes back."""
-    side, speed = stage.side("hand"), stage.number("speed")
+    side = stage.side("hand")
+    hands = stage.planners(stage.start_s)
+    cues, carriage = out_and_back(stage, side, hands[side])
+    hands[side].move(stage.rest(side), stage.number("speed"), [0.0, 0.0, 0.02])
+    return stage.plan(hands, cues=cues, carriage=carriage)
+
+
+def out_and_back(stage: Stage, side: int, hand: HandPlanner) -> tuple[tuple[Cue, ...], Lean]:
+    """Add the moves of a hand out of both pictures and back; returns cues, and the torso's lean.
+
+    Raises BenchError where a metre aside is not enough.
+    """
+    speed = stage.number("speed")
     outward, anatomy = OUTWARD[side], stage.scene.anatomy
     turn = stage.number("forward")
     way = np.array([math.sin(turn), outward * math.cos(turn), 0.0])
@@ -91,8 +103,6 @@ def _leave_view(stage: Stage) -> MotionPlan:
     stretched = raised(side, start, turn - 0.5 * math.pi, 0.0, 0.2, curl=0.12)
     cameras = stereo_rig(stage.scene.rig).cameras
     first, both = _way_out(cameras, anatomy, side, stretched, way, stage.number("beyond"))
-    hands = stage.planners(stage.start_s)
-    hand = hands[side]
     hand.move(ready, speed, [0.0, 0.0, 0.02])
     leaning = hand.clock_s
     hand.move(first, speed)
@@ -103,17 +113,15 @@ def _leave_view(stage: Stage) -> MotionPlan:
     hand.wait(stage.number("out"))
     returning = hand.clock_s
     hand.move(ready, speed)
-    back = hand.clock_s
-    hand.move(stage.rest(side), speed, [0.0, 0.0, 0.02])
     lean = _lean_towards(stage, side, both)
-    carriage = Lean(leaning, first_out, returning, back, sideways_rad=lean)
+    carriage = Lean(leaning, first_out, returning, hand.clock_s, sideways_rad=lean)
     # The camera on the far side of the robot sees less of this side.
     camera = CAMERAS[1 - side]
     cues = (
         Cue(f"out:{camera}_view", first_out, returning),
         Cue("out", both_out, returning),
     )
-    return stage.plan(hands, cues=cues, carriage=carriage)
+    return cues, carriage
 
 
 FAMILIES: Mapping[str, Family] = {

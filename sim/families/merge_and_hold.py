@@ -8,17 +8,29 @@ from dataclasses import replace
 import numpy as np
 
 from sim.families.touching import brought, closed, hand_bars
-from sim.motion.motion import MotionPlan, successive
-from sim.motion.planner import RISING_M, curled, meet, raised
+from sim.motion.motion import Cue, MotionPlan, successive
+from sim.motion.planner import RISING_M, HandPlanner, curled, meet, raised
 from sim.motion.stage import Family, Stage
 from sim.person.kinematics import OUTWARD
 
 
 def _merge_and_hold(stage: Stage) -> MotionPlan:
-    """A hand is laid as a fist into the other, which closes round it; they stay, and part."""
+    """The hands are clasped, part, and rest."""
+    hands = stage.planners(stage.start_s)
+    cues = clasped(stage, hands)
+    for side in (0, 1):
+        hands[side].move(stage.rest(side), stage.number("raise_speed"), RISING_M)
+    return stage.plan(hands, cues=cues)
+
+
+def clasped(stage: Stage, hands: tuple[HandPlanner, HandPlanner]) -> tuple[Cue, ...]:
+    """Add the moves by which a fist is laid into the other hand, which closes round it, and back.
+
+    They stay, and part. Returns the cues.
+    """
     speed, outer = stage.number("speed"), stage.side("outer")
     inner, rng = 1 - outer, stage.streams("drift")
-    hands, anatomy = stage.planners(stage.start_s), stage.scene.anatomy
+    anatomy = stage.scene.anatomy
     centre = stage.centre_m
     fist = raised(inner, centre, 0.85, -0.1, 1.25, swivel_rad=0.1)
     fist = replace(fist, curls=curled(0.78, thumb=0.5), air=0.0)
@@ -42,7 +54,7 @@ def _merge_and_hold(stage: Stage) -> MotionPlan:
     hands[outer].move(touching, speed, least_s=0.5)
     meet(hands)
     hands[outer].move(clasp, speed, least_s=0.35)
-    clasped = meet(hands)
+    closed_s = meet(hands)
     drift = stage.number("drift") * rng.uniform(-1.0, 1.0, 3) * np.array([0.5, 1.0, 0.7])
     hold_s = stage.number("hold")
     for side, state in ((inner, fist), (outer, clasp)):
@@ -54,12 +66,7 @@ def _merge_and_hold(stage: Stage) -> MotionPlan:
         away = state.moved(drift + OUTWARD[side] * aside)
         hands[side].move(replace(away, curls=curled(0.2), air=1.0), speed, least_s=0.5)
     parted = meet(hands, 0.3)
-    for side in (0, 1):
-        hands[side].move(stage.rest(side), stage.number("raise_speed"), RISING_M)
-    return stage.plan(
-        hands,
-        cues=successive(begun, ("come_together", clasped), ("clasp", opening), ("part", parted)),
-    )
+    return successive(begun, ("come_together", closed_s), ("clasp", opening), ("part", parted))
 
 
 FAMILIES: Mapping[str, Family] = {

@@ -42,7 +42,9 @@ def _post_objects(values: Values) -> tuple[ObjectSpec, ...]:
     table, rig_z = number(values, "table_height"), number(values, "rig_height")
     covered = table + number(values, "height") + number(values, "cover")
     top = rig_z + (covered - rig_z) * share
-    on_table = x + _FOOT_M <= number(values, "table_near") + RoomSpec().table_depth_m
+    on_table = x + _FOOT_M <= number(values, "table_near") + float(
+        values.get("table_depth", RoomSpec().table_depth_m)
+    )
     width = number(values, "post_width")
     return (
         ObjectSpec(

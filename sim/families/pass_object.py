@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from sim.contact.capsules import Capsules
-from sim.families.touching import brought, closed, hand_bars
+from sim.families.touching import brought, closed, hand_bars, object_bars
 from sim.motion.motion import Hold, MotionPlan, successive
 from sim.motion.planner import RISING_M, curled, grasp, meet
 from sim.motion.stage import Family, Stage, Values, number, side_of
@@ -34,23 +34,6 @@ def _passed_objects(values: Values) -> tuple[ObjectSpec, ...]:
     return (ObjectSpec("thing", kind, size, rgb, place, yaw),)
 
 
-def _object_bars(passed: ObjectSpec, place: Transform) -> Capsules:
-    """An upright object as bars, for fingers to close on."""
-    half = 0.5 * np.array(passed.size_m)
-    if passed.kind == "ball":
-        starts, radii = np.array([[0.0, 0.0, half[2]]]), half[:1]
-        ends = starts + np.array([0.0, 0.0, 1e-4])
-    else:
-        thin = 0.012 if passed.kind == "box" else 0.82 * half[0]
-        x, y = np.meshgrid(*(np.linspace(thin - h, h - thin, 4) for h in half[:2]))
-        if passed.kind != "box":
-            x = y = np.zeros(1)
-        starts = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, min(thin, half[2]))])
-        ends = starts + np.array([0.0, 0.0, max(passed.size_m[2] - 2.0 * thin, 1e-4)])
-        radii = np.full(x.size, thin)
-    return Capsules(starts, ends, radii).placed(place.position_m, place.rotation)
-
-
 def _pass_object(stage: Stage) -> MotionPlan:
     """A hand brings an object to the middle; the other takes it there and sets it down."""
     giver, speed = stage.side("giver"), stage.number("speed")
@@ -59,7 +42,7 @@ def _pass_object(stage: Stage) -> MotionPlan:
     passed, place = stage.object_named("thing")
     taking = grasp(stage.scene, giver, passed, place)
     most = curled(0.7, thumb=0.7)
-    gripped = closed(anatomy, giver, taking.open, most, _object_bars(passed, place))
+    gripped = closed(anatomy, giver, taking.open, most, object_bars(passed, place))
     begun = hands[giver].clock_s
     taken = hands[giver].take(replace(taking, closed=gripped), speed)
     # Up and to the middle; the hand turns so that its palm faces the other's.
@@ -74,7 +57,7 @@ def _pass_object(stage: Stage) -> MotionPlan:
         quaternion_of(rotation),
         taking.open.curls,
     )
-    around = _together(_object_bars(passed, middle), hand_bars(anatomy, giver, giving))
+    around = _together(object_bars(passed, middle), hand_bars(anatomy, giver, giving))
     inward = np.array([0.0, -OUTWARD[taker], 0.0])
     open_ = brought(anatomy, taker, facing, inward, around)
     held = closed(anatomy, taker, open_, most, around)

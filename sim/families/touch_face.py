@@ -18,7 +18,7 @@ from sim.person.kinematics import OUTWARD
 from sim.pose import SIDES
 
 # Where a hand touches the face, towards the hand's own side, and where its fingers then point.
-_SPOTS: Mapping[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {
+SPOTS: Mapping[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {
     "cheek": ((0.72, 0.62, -0.30), (-0.25, -0.35, 1.0)),
     "chin": ((0.86, 0.10, -0.66), (-0.1, -0.7, 0.7)),
     "mouth": ((0.95, 0.02, -0.58), (0.0, -1.0, 0.65)),
@@ -26,15 +26,23 @@ _SPOTS: Mapping[str, tuple[tuple[float, float, float], tuple[float, float, float
 }
 
 
-def _touching(stage: Stage, side: int, place: str, jitter: Floats) -> HandState:
+def on_face(stage: Stage, side: int, place: str, jitter: Floats) -> HandState:
     """A hand with its fingers on a place of the face; jitter (3,) moves the place."""
     mirror = np.array([1.0, OUTWARD[side], 1.0])
-    spot, fingers = (mirror * np.array(v) for v in _SPOTS[place])
+    spot, fingers = (mirror * np.array(v) for v in SPOTS[place])
     long, broad = stage.scene.anatomy.hand_length_m, stage.scene.anatomy.hand_breadth_m
     # The middle of the two middle fingers.
     pad = np.array([0.36 * long, 0.0, -0.10 * broad])
     laying = Laying(spot + jitter, fingers, pad, curled(0.2, thumb=0.15))
     return laid_alone(stage, side, laying, stage.number("elbow_out"))
+
+
+def before_face(side: int, begun: HandState, on: HandState) -> tuple[HandState, HandState]:
+    """States on a hand's way from `begun` to where it touches the face: half-way, and near."""
+    near = beside(on, 0.05, np.array([0.02, 0.0, -0.03]))
+    out = 0.12 * np.array([1.0, OUTWARD[side] * 0.6, 0.0])
+    half = 0.5 * (begun.position_m + near.position_m) + out
+    return replace(near, position_m=half, with_head=0.0, air=1.0), near
 
 
 def _touch_face(stage: Stage) -> MotionPlan:
@@ -43,7 +51,7 @@ def _touch_face(stage: Stage) -> MotionPlan:
     hands = stage.planners()
     cues: list[Cue] = []
     wanted, which = str(stage.values["place"]), str(stage.values["hand"])
-    order = [str(place) for place in rng.permutation(list(_SPOTS))]
+    order = [str(place) for place in rng.permutation(list(SPOTS))]
     clock = stage.start_s
     for turn in range(round(stage.number("touches"))):
         chance = int(rng.integers(2))
@@ -55,13 +63,9 @@ def _touch_face(stage: Stage) -> MotionPlan:
         hand = hands[side]
         hand.until(clock)
         begun = hand.clock_s
-        on = _touching(stage, side, place, jitter)
-        near = beside(on, 0.05, np.array([0.02, 0.0, -0.03]))
-        out = 0.12 * np.array([1.0, OUTWARD[side] * 0.6, 0.0])
+        on = on_face(stage, side, place, jitter)
         rest = stage.rest(side)
-        half = replace(
-            near, position_m=0.5 * (rest.position_m + near.position_m) + out, with_head=0.0, air=1.0
-        )
+        half, near = before_face(side, rest, on)
         hand.add(sweep(hand.clock_s, (hand.state, half, near, on), speed))
         touched = hand.clock_s
         hand.wait(stay)

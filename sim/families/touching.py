@@ -12,6 +12,8 @@ from sim.contact.arm_shape import hand_capsules
 from sim.contact.capsules import Capsules, capsule_gap
 from sim.motion.bisection import bisect
 from sim.motion.strokes import HandState
+from sim.pose import Transform
+from sim.specs import ObjectSpec
 
 
 def hand_bars(anatomy: Anatomy, side: int, state: HandState) -> Capsules:
@@ -53,3 +55,20 @@ def closed(
                 break
             curls = trial
     return replace(state, curls=curls)
+
+
+def object_bars(held: ObjectSpec, place: Transform) -> Capsules:
+    """An upright object as bars, for fingers to close on."""
+    half = 0.5 * np.array(held.size_m)
+    if held.kind == "ball":
+        starts, radii = np.array([[0.0, 0.0, half[2]]]), half[:1]
+        ends = starts + np.array([0.0, 0.0, 1e-4])
+    else:
+        thin = 0.012 if held.kind == "box" else 0.82 * half[0]
+        x, y = np.meshgrid(*(np.linspace(thin - h, h - thin, 4) for h in half[:2]))
+        if held.kind != "box":
+            x = y = np.zeros(1)
+        starts = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, min(thin, half[2]))])
+        ends = starts + np.array([0.0, 0.0, max(held.size_m[2] - 2.0 * thin, 1e-4)])
+        radii = np.full(x.size, thin)
+    return Capsules(starts, ends, radii).placed(place.position_m, place.rotation)

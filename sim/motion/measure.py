@@ -56,6 +56,18 @@ _STANDING = {
 }
 
 
+class MotionFault(str):
+    """The reason why a person could not make a motion, and when it shows [s]."""
+
+    time_s: float
+
+    def __new__(cls, reason: str, time_s: float) -> MotionFault:
+        """Build the text with its field."""
+        self = super().__new__(cls, f"at {time_s:.2f} s {reason}")
+        self.time_s = time_s
+        return self
+
+
 @dataclass(frozen=True)
 class Speeds:
     """Speeds of a target [m/s]: median, 95 % and greatest. step_m: displacement over 1/3 s [m] at
@@ -148,23 +160,23 @@ def _stretch(performer: Performer, arm: Arm) -> float:
 
 def fault_of(
     performer: Performer, times_s: Iterable[float], possible: Sequence[bool] = ()
-) -> str | None:
+) -> MotionFault | None:
     """The reason why a person could not make this motion at these times, or None.
 
     Judged: parts inside one another, joints past their range, palms short of their targets, speed.
     possible: of the times in order, whether all but the speed is known to be possible there.
     """
     times = sorted(times_s)
-    fault = _too_fast(performer, times)
-    if fault is not None:
-        return fault
+    too_fast = _too_fast(performer, times)
+    if too_fast is not None:
+        return too_fast
     objects = standing_objects(performer)
     for t_s, known in zip_longest(times, possible):
         if known:
             continue
         fault = _fault_at(performer, performer.body(t_s), objects)
         if fault is not None:
-            return f"at {t_s:.2f} s {fault}"
+            return MotionFault(fault, t_s)
     return None
 
 
@@ -195,7 +207,7 @@ def _fault_at(performer: Performer, body: Body, objects: Sequence[StandingObject
     return None
 
 
-def _too_fast(performer: Performer, times: Sequence[float]) -> str | None:
+def _too_fast(performer: Performer, times: Sequence[float]) -> MotionFault | None:
     """The fault of a planned speed, also between the moments: a stroke may lie between frames."""
     if not times:
         return None
@@ -207,9 +219,10 @@ def _too_fast(performer: Performer, times: Sequence[float]) -> str | None:
         speeds = np.linalg.norm(np.diff(path, axis=0), axis=1) / np.maximum(np.diff(fine), 1e-9)
         if len(speeds) and speeds.max() > FASTEST_MPS:
             worst = int(speeds.argmax())
-            return (
-                f"at {fine[worst]:.2f} s the {SIDES[side]} hand moves at {speeds[worst]:.1f} m/s "
-                f"(at most {FASTEST_MPS:g} m/s)"
+            return MotionFault(
+                f"the {SIDES[side]} hand moves at {speeds[worst]:.1f} m/s "
+                f"(at most {FASTEST_MPS:g} m/s)",
+                float(fine[worst]),
             )
     return None
 

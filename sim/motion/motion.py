@@ -56,6 +56,20 @@ class Cue:
     to_s: float
 
 
+@dataclass(frozen=True)
+class PlannedStep:
+    """A step of a script in a plan: who makes it (0 right, 1 left, None the head), when [s].
+
+    where: its place in its file, as the beginning of a message; title: its number and gesture.
+    """
+
+    where: str
+    title: str
+    side: int | None
+    from_s: float
+    to_s: float
+
+
 def successive(start_s: float, *ends: tuple[str, float]) -> tuple[Cue, ...]:
     """Cues that follow each other from start_s [s] without a gap: (name, end [s]) of each."""
     cues = []
@@ -78,7 +92,7 @@ class MotionPlan:
     """The motion of a sequence: paths of both hands, carried objects, the body's small motions.
 
     hands, tremor: of the right and the left hand; swivel_rad: the habit of both elbows; holds:
-    objects that are carried; cues: named stretches of time.
+    objects that are carried; cues: named stretches of time; steps: of a script, for messages.
     """
 
     hands: tuple[HandMotion, HandMotion]
@@ -88,6 +102,7 @@ class MotionPlan:
     holds: tuple[Hold, ...] = ()
     cues: tuple[Cue, ...] = ()
     carriage: CarriageMotion = UPRIGHT
+    steps: tuple[PlannedStep, ...] = ()
 
 
 def table_of(room: RoomSpec) -> Table:

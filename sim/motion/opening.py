@@ -59,6 +59,10 @@ def with_opening(stage: Stage, plan: MotionPlan, kind: str) -> MotionPlan:
             *(Cue(c.name, c.from_s + later_s, c.to_s + later_s) for c in plan.cues),
         ),
         carriage=_Later(plan.carriage, later_s),
+        steps=tuple(
+            replace(step, from_s=step.from_s + later_s, to_s=step.to_s + later_s)
+            for step in plan.steps
+        ),
     )
 
 

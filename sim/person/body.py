@@ -13,14 +13,17 @@ import numpy as np
 
 from pjpdaf.targets import HEAD
 from sim.anatomy import Anatomy
-from sim.person import head as head_shapes
+from sim.person.face import EXPRESSIONS, face_texture
 from sim.person.geoms import HAND_TARGETS, LEGS, SKIN, TARGET_GROUPS
+from sim.person.hair import HAIR, bun_surface, curtain_surface, hair_surface, hair_texture
 from sim.person.hand import Finger, fingers, mirrored, palm_surface
+from sim.person.head import ear_surface, head_surface
+from sim.person.skin import hand_texture, skin_texture
 from sim.person.sleeves import SLEEVES, add_arm
 from sim.person.torso import add_torso
 from sim.pose import SIDES
 from sim.specs import Appearance
-from sim.surfaces.assets import Assets, check_word
+from sim.surfaces.assets import Assets, check_word, turned
 from sim.surfaces.shapes import (
     Surface,
     limb,
@@ -40,12 +43,15 @@ def add_person(assets: Assets, anatomy: Anatomy, appearance: Appearance) -> None
     Raises ValueError for a word of the appearance that is not known.
     """
     check_word("Appearance.sleeves", appearance.sleeves, SLEEVES)
-    check_word("Appearance.hair", appearance.hair, head_shapes.HAIR)
+    check_word("Appearance.hair", appearance.hair, HAIR)
+    check_word("Appearance.expression", appearance.expression, EXPRESSIONS)
     check_word("Appearance.shirt_pattern", appearance.shirt_pattern, PATTERNS)
     world = assets.spec.worldbody
     bodies = {name: world.add_body(name=name, mocap=True) for name in mocap_parts()}
     shirt = assets.cloth("shirt", appearance.shirt_rgb, appearance.shirt_pattern)
-    assets.plain("skin", appearance.skin_rgb, specular=0.05, shininess=0.2)
+    for name, paint in (("skin", skin_texture), ("hand", hand_texture)):
+        picture = assets.texture(name, paint, appearance.skin_rgb)
+        assets.painted(name, picture, specular=0.05, shininess=0.2)
     add_torso(assets, bodies["torso"], anatomy, shirt)
     _legs(assets, anatomy)
     _head(assets, bodies["head"], anatomy, appearance)
@@ -90,19 +96,11 @@ def _head(assets: Assets, body: Any, anatomy: Anatomy, appearance: Appearance) -
     k = anatomy.head_breadth_m / 0.1522
     assets.painted(
         "face",
-        assets.texture("face", head_shapes.face_texture, appearance),
+        assets.texture("face", face_texture, appearance),
         specular=0.06,
         shininess=0.15,
     )
-    assets.painted(
-        "hair",
-        assets.texture("hair", head_shapes.hair_texture, appearance),
-        specular=0.10,
-        shininess=0.2,
-    )
-    assets.add(
-        body, f"{SKIN}face", head_shapes.head_surface(anatomy), "face", group, castshadow=False
-    )
+    assets.add(body, f"{SKIN}face", head_surface(anatomy), "face", group, castshadow=False)
     # A smooth core casts the shadow: the nose's own would be a few jagged texels across the mouth.
     core = (
         0.80 * anatomy.head_depth_m / 2,
@@ -110,19 +108,18 @@ def _head(assets: Assets, body: Any, anatomy: Anatomy, appearance: Appearance) -
         0.94 * anatomy.head_height_m / 2,
     )
     assets.ellipsoid(body, "head:core", (-0.004, 0.0, 0.0), core, "skin", group)
-    if appearance.hair != "bald":
-        assets.add(body, "hair", head_shapes.hair_surface(anatomy), "hair", group)
-    if appearance.hair == "long":
-        assets.add(body, "hair:long", head_shapes.curtain_surface(anatomy), "hair", group)
+    _hair(assets, body, group, anatomy, appearance)
+    ear = ear_surface(anatomy)
     for side, y in (("right", -1.0), ("left", 1.0)):
-        assets.ellipsoid(
+        assets.add(
             body,
             f"{SKIN}ear:{side}",
-            (-0.008 * k, 0.0735 * k * y, -0.006 * k),
-            (0.017 * k, 0.0065 * k, 0.029 * k),
+            ear if side == "left" else mirrored(ear),
             "skin",
             group,
-            yaw_rad=-0.45 * y,
+            pos=(-0.008 * k, 0.0735 * k * y, -0.006 * k),
+            quat=turned(-0.45 * y),
+            castshadow=False,  # it would be a few jagged texels on the neck
         )
     # The neck hangs from the head into the collar; only the part above the collar is visible.
     neck = limb(0.105 * k, np.array([0.0445, 0.0435, 0.0435]) * k, sides=20, rings=4, far_cap=0.1)
@@ -137,6 +134,19 @@ def _head(assets: Assets, body: Any, anatomy: Anatomy, appearance: Appearance) -
     )
     if appearance.glasses:
         _glasses(assets, body, group, anatomy)
+
+
+def _hair(assets: Assets, body: Any, group: int, anatomy: Anatomy, appearance: Appearance) -> None:
+    """The cap of hair, with long hair below it or a bun behind."""
+    if appearance.hair == "bald":
+        return
+    picture = assets.texture("hair", hair_texture, appearance)
+    assets.painted("hair", picture, specular=0.10, shininess=0.2)
+    assets.add(body, "hair", hair_surface(anatomy, appearance.hair), "hair", group)
+    if appearance.hair == "long":
+        assets.add(body, "hair:long", curtain_surface(anatomy), "hair", group)
+    elif appearance.hair == "bun":
+        assets.add(body, "hair:bun", bun_surface(anatomy), "hair", group)
 
 
 def _glasses(assets: Assets, body: Any, group: int, anatomy: Anatomy) -> None:
@@ -171,9 +181,9 @@ def _hand(
     left = side == "left"
     flip = np.diag([1.0, -1.0, 1.0]) if left else np.eye(3)
     palm = mirrored(palm) if left else palm
-    assets.add(body, f"{SKIN}palm:{side}", palm, "skin", group, castshadow=False)
+    assets.add(body, f"{SKIN}palm:{side}", palm, "hand", group, castshadow=False)
     extent = palm.vertices_m.max(axis=0) - palm.vertices_m.min(axis=0)
-    core = (0.42 * extent[0], 0.36 * extent[1], 0.30 * extent[2])
+    core = (0.36 * extent[0], 0.34 * extent[1], 0.22 * extent[2])
     assets.ellipsoid(body, f"core:palm:{side}", (-0.15 * extent[0], 0.0, 0.0), core, "skin", group)
     for finger in chain:
         rotation = flip @ finger.rotation @ flip
@@ -191,7 +201,7 @@ def _hand(
                 parent,
                 f"{SKIN}{name}",
                 surface,
-                "skin",
+                "hand",
                 group,
                 mesh=f"{finger.name}{i}",
                 castshadow=False,

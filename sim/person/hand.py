@@ -8,10 +8,13 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
-from sim.surfaces.shapes import Surface, capped, closed_grid, interpolate, limb, superellipse
+from sim.person.palm import palm_grid, palm_mesh
+from sim.surfaces.shapes import Surface, closed_grid, superellipse
 
 FINGERS = ("thumb", "index", "middle", "ring", "little")
 _LENGTH, _BREADTH, _PALM = 0.1875, 0.0851, 0.0774  # of the average hand the numbers are drawn for
+PALM_SHARE = 0.5  # of the width of the hand's texture; right of it a strip a finger
+_SIDES, _RINGS, _END_RINGS = 12, 7, 3  # of a segment: round it, between its joints, in its ends
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,13 +37,53 @@ class Finger:
     fist_rad: Floats
 
     def segments(self) -> tuple[Surface, ...]:
-        """A surface for each segment, from its joint along x."""
-        return tuple(
-            limb(length, np.array([r0, 0.96 * (r0 + r1) / 2, r1]), sides=10, rings=3, end_rings=3)
-            for length, r0, r1 in zip(
-                self.lengths_m, self.radii_m[:-1], self.radii_m[1:], strict=True
-            )
-        )
+        """A surface for each segment, from its joint along x; its texture is the finger's strip."""
+        return tuple(self._surface(segment) for segment in range(3))
+
+    def segment_grid(self, segment: int) -> Floats:
+        """Points (rings, sides + 1, 3) of a segment: round ends about its joints, narrow between.
+
+        The back is flatter than a cylinder, the inside has a pad, most at the finger's tip.
+        """
+        length = self.lengths_m[segment]
+        r0, r1 = self.radii_m[segment], self.radii_m[segment + 1]
+        arc = np.linspace(0.0, np.pi / 2, _END_RINGS + 1)[:-1]
+        share = np.linspace(0.0, 1.0, _RINGS)
+        x = np.concatenate([-r0 * np.cos(arc), share * length, length + r1 * np.cos(arc[::-1])])
+        between = r0 + (r1 - r0) * share * share * (3.0 - 2.0 * share)
+        r = np.concatenate([r0 * np.sin(arc), between, r1 * np.sin(arc[::-1])])
+        if segment == 0 and self.name == "thumb":  # its root lies within the ball of the thumb
+            r = r * np.interp(x / length, [0.0, 0.7], [0.80, 1.0])
+        middle = np.sin(np.pi * np.clip(x / length, 0.0, 1.0))
+        narrow, flat, pad = _SHAPE[segment]
+        circle = superellipse(_SIDES, 2.0)
+        grid = np.empty((len(x), _SIDES + 1, 3))
+        grid[..., 0] = x[:, None]
+        grid[..., 1] = (r * (1.0 - narrow * middle))[:, None] * circle[:, 0]
+        high, low = (1.0 - flat * middle)[:, None], (1.0 + pad * middle)[:, None]
+        grid[..., 2] = r[:, None] * np.where(circle[:, 1] > 0.0, high, low) * circle[:, 1]
+        return grid
+
+    def _surface(self, segment: int) -> Surface:
+        grid = self.segment_grid(segment)
+        surface = closed_grid(grid[::-1])
+        along = grid[..., 0] - grid[0, 0, 0]
+        round_ = np.broadcast_to(np.linspace(0.0, 1.0, _SIDES + 1), along.shape)
+        uv = strip_uv(FINGERS.index(self.name), segment, along / along.max(), round_)[::-1]
+        return Surface(surface.vertices_m, surface.normals, uv.reshape(-1, 2), surface.faces)
+
+
+# Of the three segments: how much narrower than a cone, flatter on the back, fuller inside they are.
+_SHAPE = ((-0.03, 0.05, 0.06), (0.045, 0.07, 0.07), (0.0, 0.09, 0.10))
+
+
+def strip_uv(finger: int, segment: int, along: Floats, around: Floats) -> Floats:
+    """Texture coordinates (..., 2) of shares 0-1 along a segment, end to end, and around it.
+
+    Around: from +y over the back of the finger.
+    """
+    u = PALM_SHARE + (1.0 - PALM_SHARE) * (segment + 0.02 + 0.96 * along) / 3.0
+    return np.stack([u, (finger + 0.02 + 0.96 * around) / len(FINGERS)], axis=-1)
 
 
 def fingers(anatomy: Anatomy) -> tuple[Finger, ...]:
@@ -102,37 +145,15 @@ def joint_angles(finger: Finger, curl: float) -> Floats:
 
 
 def palm_surface(anatomy: Anatomy) -> Surface:
-    """Wrist and palm of the right hand; mirror y for the left."""
-    long = anatomy.hand_length_m / _LENGTH
+    """Wrist, palm and webs of the right hand; mirror y for the left."""
     broad = anatomy.hand_breadth_m / _BREADTH
-    wrist = -anatomy.wrist_to_palm_m
-    # x, middle y, half breadth, upper and lower half thickness
-    table = np.array(
-        [
-            [wrist - 0.018, 0.0000, 0.0230, 0.0160, 0.0160],
-            [wrist, 0.0000, 0.0250, 0.0165, 0.0165],
-            [wrist * 0.70, 0.0010, 0.0290, 0.0155, 0.0175],
-            [wrist * 0.35, 0.0010, 0.0360, 0.0140, 0.0165],
-            [0.0, 0.0005, 0.0395, 0.0125, 0.0145],
-            [0.018 * long, 0.0005, 0.0400, 0.0115, 0.0120],
-            [0.030 * long, 0.0030, 0.0335, 0.0085, 0.0090],
-            [0.034 * long, 0.0040, 0.0250, 0.0040, 0.0045],
-        ]
-    )
-    x = np.linspace(table[0, 0], table[-1, 0], 17)
-    middle, half, upper, lower = (interpolate(table, x) * broad).T
-    outline = superellipse(20, 2.6)
-    grid = np.empty((len(x), len(outline), 3))
-    grid[..., 0] = x[:, None]
-    # The knuckles lie on an arc: the little finger's starts nearer to the wrist.
-    y = half[:, None] * outline[:, 0]
-    grid[..., 1] = middle[:, None] + y
-    grid[..., 2] = np.where(
-        outline[:, 1] >= 0, upper[:, None] * outline[:, 1], lower[:, None] * outline[:, 1]
-    )
-    slant = np.clip((x - 0.0) / table[-1, 0], 0, 1)[:, None]
-    grid[..., 0] -= slant * 0.014 * long * np.clip(-(y - 0.005) / 0.035, 0, 1.2)
-    return closed_grid(capped(grid)[::-1])
+    grid = palm_grid()
+    x = grid[..., 0]
+    long = np.where(x < 0.0, anatomy.wrist_to_palm_m / _PALM, anatomy.hand_length_m / _LENGTH)
+    rings, columns = x.shape
+    v, u = np.mgrid[0 : 1 : rings * 1j, 0 : PALM_SHARE : columns * 1j]
+    scale = np.stack([long, np.full_like(x, broad), np.full_like(x, broad)], axis=-1)
+    return palm_mesh(grid * scale, np.stack([0.01 + 0.98 * u, v], axis=-1))
 
 
 def mirrored(surface: Surface) -> Surface:

@@ -9,6 +9,7 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
 from sim.person.cloth import tailored
+from sim.person.elbow import sleeve_above, sleeve_below
 from sim.person.geoms import CLOTHES, HAND_TARGETS, TARGET_GROUPS
 from sim.pose import SIDES
 from sim.specs import Appearance
@@ -18,8 +19,9 @@ from sim.surfaces.shapes import (
     revolved,
 )
 
-ELBOW_M, WRIST_M = 0.043, 0.031  # radii of the sleeve, of an average arm
+SHOULDER_M, ELBOW_M, WRIST_M = 0.0405, 0.043, 0.031  # radii of the sleeve, of an average arm
 SLEEVES = ("long", "rolled", "short")  # rolled: bare forearm; short: bare above the elbow as well
+WRIST_DRAWN_IN = 0.90  # of its radius, at the end of the bare forearm
 SHORT_SLEEVE = 0.60  # of the upper arm
 
 _ALONG_X = (0.7071068, 0.0, 0.7071068, 0.0)  # z of a body of revolution to x
@@ -34,32 +36,41 @@ def add_arm(
     # A little short of the wrist, where the hand's own skin begins.
     long_m, upper_m = anatomy.forearm_m - 0.012, anatomy.upper_arm_m
     cloth = np.array([ELBOW_M, 0.0455, 0.0415, 0.036, wrist / k]) * k
-    arm = np.array([0.0480, 0.0505, 0.0485, 0.0450, ELBOW_M]) * k
+    # Narrow where it leaves the shoulder, whose slope the torso has; and a little within the
+    # forearm's round end, which alone shows at the elbow.
+    arm = np.array([SHOULDER_M, 0.0490, 0.0485, 0.0450, ELBOW_M - 0.0010]) * k
     skin = np.array([0.0360, 0.0405, 0.0365, 0.0295, 0.76 * wrist / k]) * k
     share = {"long": 1.0, "rolled": 0.30, "short": 0.0}[appearance.sleeves]
     # The sleeve on the upper arm, and then the bare skin below it.
     if appearance.sleeves == "short":
-        ends = np.array([1.0, 1.02, 1.0, 0.98, 1.0]) * arm[:1]
+        ends = np.array([SHOULDER_M, 0.0480, 0.0485, 0.0475, 0.0480]) * k
         _sleeve(assets, upper, f"upper_arm:{side}", SHORT_SLEEVE * upper_m, ends, hem_m=0.003)
-        bare = np.array([0.0400, 0.0425, 0.0410, 0.0375, 0.0360]) * k
+        bare = np.array([0.0380, 0.0425, 0.0410, 0.0375, 0.0350]) * k
         surface = limb(upper_m, bare, sides=20, rings=8)
         assets.add(upper, f"bare:upper_arm:{side}", surface, "skin", CLOTHES)
     else:
-        surface = tailored(limb(upper_m, arm, sides=22, rings=9, end_rings=5), 0)
+        surface = limb(upper_m, arm, sides=22, rings=9, end_rings=5)
+        surface = sleeve_above(surface, upper_m)
         assets.add(upper, f"upper_arm:{side}", surface, "shirt", CLOTHES)
     if appearance.sleeves == "long":
-        surface = limb(long_m, cloth, sides=20, rings=9, flatness=0.94, far_cap=0.15)
-        assets.add(fore, f"forearm:{side}", tailored(surface, 0), "shirt", CLOTHES)
+        surface = limb(long_m, cloth, sides=22, rings=9, end_rings=5, far_cap=0.15)
+        surface = sleeve_below(surface, float(cloth[0]))
+        assets.add(fore, f"forearm:{side}", surface, "shirt", CLOTHES)
         _cuff(assets, fore, side, long_m, wrist)
         return
     if share > 0.0:
         ends = np.array([1.0, 1.06, 1.08]) * cloth[0]
         _sleeve(assets, fore, f"forearm:{side}", share * long_m, ends, hem_m=0.006)
-    surface = limb(long_m, skin, sides=20, rings=11, far_cap=0.15)
+    # Drawn in at the wrist, so that the hand's own goes on without a step.
+    skin = np.interp(np.linspace(0, 1, 13), np.linspace(0, 1, 5), skin)
+    skin[-1] *= WRIST_DRAWN_IN
+    surface = limb(long_m, skin, sides=20, rings=13, far_cap=0.60)
     assets.add(fore, f"bare:forearm:{side}", surface, "skin", CLOTHES)
     # The same wrist once more with the hand, as the cuff of a long sleeve: in the amodal pass it
     # hides the stub that reaches into the forearm. Thinner, so that the forearm covers it.
-    stub = limb(0.030, skin[-1] * np.array([1.10, 0.985]), sides=20, rings=3, far_cap=0.14)
+    stub = limb(
+        0.030, skin[-1] * np.array([1.10 / WRIST_DRAWN_IN, 0.985]), sides=20, rings=3, far_cap=0.14
+    )
     group = TARGET_GROUPS[HAND_TARGETS[SIDES.index(side)]]
     at = (long_m - 0.030, 0.0, 0.0)
     assets.add(fore, f"wrist:{side}", stub, "skin", group, pos=at, castshadow=False)
@@ -70,7 +81,9 @@ def _sleeve(
 ) -> None:
     """A sleeve that ends on the way, with a hem or a rolled cuff that is hem_m thick."""
     surface = limb(length_m, radii_m, sides=22, rings=6, end_rings=5, far_cap=0.05)
-    assets.add(body, name, tailored(surface, 0), "shirt", CLOTHES)
+    of_elbow = name.startswith("forearm")
+    surface = sleeve_below(surface, float(radii_m[0])) if of_elbow else tailored(surface, 0)
+    assets.add(body, name, surface, "shirt", CLOTHES)
     r, wide = float(radii_m[-1]), 0.012 + 3.5 * hem_m
     outline = np.array(
         [
@@ -94,11 +107,11 @@ def _cuff(assets: Assets, fore: Any, side: str, long_m: float, wrist_m: float) -
         np.array(
             [
                 [wrist_m * 0.93, -0.020],
-                [wrist_m + 0.0015, -0.018],
-                [wrist_m + 0.0022, 0.0],
-                [wrist_m + 0.0012, 0.006],
-                [wrist_m - 0.003, 0.006],
-                [wrist_m - 0.004, -0.004],
+                [wrist_m + 0.0012, -0.018],
+                [wrist_m - 0.0005, 0.001],
+                [wrist_m - 0.0020, 0.005],
+                [wrist_m - 0.0048, 0.005],
+                [wrist_m - 0.0058, -0.004],
             ]
         ),
         20,

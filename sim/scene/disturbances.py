@@ -18,6 +18,7 @@ from sim.scene.extras import NO_EXTRAS, Extras, Track
 from sim.scene.room import WALL_X, key_direction
 from sim.specs import RGB, ObjectSpec
 from sim.surfaces.assets import check_word
+from sim.surroundings.lights import key_way
 from sim.vectors import about_z, cross
 
 SHADOW_PERIODS_S: Mapping[str, tuple[float, float]] = {"slow": (9.0, 13.0), "fast": (2.2, 3.2)}
@@ -81,18 +82,25 @@ def together(all_extras: Iterable[Extras]) -> Extras:
 
 
 def moving_shadow(
-    kind: str, azimuth_rad: float, rng: np.random.Generator, duration_s: float
+    kind: str,
+    azimuth_rad: float,
+    rng: np.random.Generator,
+    duration_s: float,
+    elevation_rad: float | None = None,
 ) -> Extras:
     """Somebody passes between the key light and the table: a shadow that sweeps to and fro.
 
     kind: one of SHADOWS. azimuth_rad: of the light, as in `sim.specs.RoomSpec`. duration_s: in
-    which it is to come and go. At t = 0 the shadow
-    is beside the person, while the background is learnt there is none.
+    which it is to come and go. elevation_rad: of the light of
+    varied surroundings. At t = 0 the shadow is beside the person, while the background is learnt
+    there is none.
     """
     check_word("shadow", kind, SHADOWS)
     if kind == "none":
         return NO_EXTRAS
     along = key_direction(azimuth_rad)
+    if elevation_rad is not None:
+        along = key_way(azimuth_rad, elevation_rad)
     across = cross(along, np.array([0.0, 0.0, 1.0]))
     across /= np.linalg.norm(across)
     # The screen faces the light: thin along the light, high across it.

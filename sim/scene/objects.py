@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from sim.surfaces import textures
 from sim.surfaces.assets import Assets, check_word, turned
 from sim.surfaces.blocks import block
 from sim.surfaces.shapes import Surface, limb, limb_ring, revolved
+from sim.surroundings.things import DRAW, Draw
 from sim.vectors import about_y
 
 
@@ -314,8 +315,6 @@ def _arm(assets: Assets, body: Any, name: str, spec: ObjectSpec) -> None:
             joint = tip
 
 
-Draw = Callable[[Assets, Any, str, ObjectSpec], None]
-
 KINDS: Mapping[str, Draw] = {
     "can": _can,
     "cup": _cup,
@@ -331,4 +330,5 @@ KINDS: Mapping[str, Draw] = {
     "balloon": _balloon,
     "picture": _picture,
     "chair": _chair,
+    **DRAW,
 }

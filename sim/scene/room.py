@@ -11,6 +11,7 @@ from sim.specs import RoomSpec
 from sim.surfaces import textures
 from sim.surfaces.assets import Assets, Quaternion, check_word, turned
 from sim.surfaces.shapes import revolved
+from sim.surroundings.room import add_surroundings
 from sim.vectors import about_z
 
 WALL_X, SIDE_Y, HEIGHT, FRONT_X = -1.55, 2.1, 2.7, 2.6  # the room [m]
@@ -23,13 +24,18 @@ _FROM_LEFT: Quaternion = (0.7071068, 0.7071068, 0.0, 0.0)  # normal -y
 
 def add_room(assets: Assets, room: RoomSpec) -> None:
     """Add all that stands still, the objects (as posed bodies) and the lights."""
-    _walls(assets, room)
-    _furniture(assets)
-    _table(assets, room)
-    _chair(assets)
+    check_word("RoomSpec.table_surface", room.table_surface, textures.SURFACES)
+    if room.surroundings is None:
+        _walls(assets, room)
+        _furniture(assets)
+        _table(assets, room)
+        _chair(assets)
+    else:
+        add_surroundings(assets, room, room.surroundings, AIM_M)
     for spec in room.objects:
         add_object(assets, room, spec)
-    _lights(assets, room)
+    if room.surroundings is None:
+        _lights(assets, room)
 
 
 def _walls(assets: Assets, room: RoomSpec) -> None:
@@ -144,7 +150,6 @@ def _furniture(assets: Assets) -> None:
 
 def _table(assets: Assets, room: RoomSpec) -> None:
     world = assets.spec.worldbody
-    check_word("RoomSpec.table_surface", room.table_surface, textures.SURFACES)
     picture = assets.texture("table", textures.tabletop, room.table_rgb, room.table_surface)
     gloss = {"wood": 0.08, "cloth": 0.0, "plain": 0.12}[room.table_surface]
     assets.painted("table", picture, specular=gloss, shininess=0.3)

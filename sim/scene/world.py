@@ -16,6 +16,7 @@ from pjpdaf.targets import TARGETS
 from sim.gl import load_mujoco
 from sim.lens import SCALE, Lens, lens_of
 from sim.person.body import add_person
+from sim.person.elbow import hinged
 from sim.person.geoms import CLOTHES, HAND_TARGETS, LEGS, SKIN, TARGET_GROUPS
 from sim.person.hand import fingers, joint_angles
 from sim.pose import SIDES, Pose, Transform
@@ -61,7 +62,10 @@ class World:
         for side, upper, fore, hand in zip(
             SIDES, pose.upper_arms, pose.forearms, pose.hands, strict=True
         ):
-            places |= {f"upper_arm:{side}": upper, f"forearm:{side}": fore, f"hand:{side}": hand}
+            above, below = hinged(upper.rotation, fore.rotation)
+            places[f"upper_arm:{side}"] = Transform(upper.position_m, above)
+            places[f"forearm:{side}"] = Transform(fore.position_m, below)
+            places[f"hand:{side}"] = hand
         places |= {f"object:{name}": at for name, at in pose.objects.items()}
         mujoco = load_mujoco()
         for name, at in places.items():

@@ -12,9 +12,10 @@ from sim.anatomy import Anatomy
 from sim.contact.arm_shape import digits_of, palm_bars
 from sim.contact.capsules import Capsules
 from sim.person.geoms import HAND_TARGETS
-from sim.person.head import beard_points, outline_points
+from sim.person.hair import outline_points
+from sim.person.head import beard_points
 from sim.person.kinematics import OUTWARD
-from sim.person.sleeves import ELBOW_M, SHORT_SLEEVE, WRIST_M
+from sim.person.sleeves import ELBOW_M, SHORT_SLEEVE, SHOULDER_M, WRIST_M
 from sim.person.torso import COLLAR_TOP_M, torso_surface
 from sim.silhouettes.pose_track import PoseTrack
 from sim.silhouettes.shapes import BARE, CLOTHED, TARGET_PAINT, Bars, Hull, bars_of, joined
@@ -25,8 +26,8 @@ from sim.surfaces.shapes import extremes
 _SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
 _FORE_CLOTH = (ELBOW_M, 0.0455, 0.0415, 0.036)
 _FORE_SKIN = (0.0360, 0.0405, 0.0365, 0.0295)
-_UPPER_CLOTH = (0.0480, 0.0505, 0.0485, 0.0450, ELBOW_M)
-_UPPER_SKIN = (0.0400, 0.0425, 0.0410, 0.0375, 0.0360)
+_UPPER_CLOTH = (SHOULDER_M, 0.0490, 0.0485, 0.0450, ELBOW_M - 0.001)
+_UPPER_SKIN = (0.0380, 0.0425, 0.0410, 0.0375, 0.0350)
 _CUFF_M = 0.009  # a long sleeve's cuff ends this much before the wrist, flat
 _ROLLED = 0.30  # of the forearm
 _FLAT_END = 0.55  # of its radius, by which a bar is shorter than the flat end it stands for

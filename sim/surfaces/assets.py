@@ -86,6 +86,7 @@ class Assets:
         specular: float = 0.02,
         shininess: float = 0.1,
         repeat: tuple[float, float] = (1.0, 1.0),
+        emission: float = 0.0,
     ) -> str:
         """A material from a picture (h, w, 3) RGB; its name."""
         height, width = picture.shape[:2]
@@ -98,7 +99,11 @@ class Assets:
         )
         texture.data = np.ascontiguousarray(picture).tobytes()
         material = self.spec.add_material(
-            name=name, specular=specular, shininess=shininess, reflectance=0.0
+            name=name,
+            specular=specular,
+            shininess=shininess,
+            emission=emission,
+            reflectance=0.0,
         )
         material.textures[self.mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
         material.texrepeat = list(repeat)

@@ -72,10 +72,10 @@ def cpu_s(renderer, part):
 
 
 def test_labels_cost_less_than_colour(renderer):
-    """About a quarter."""
+    """About a third."""
     assert cpu_s(renderer, "labels") < cpu_s(renderer, "colour")
 
 
 def test_windows_cost_less_than_whole_pictures(renderers):
-    """About three fifths."""
+    """About seven tenths."""
     assert cpu_s(renderers["windows"], "all") < 0.9 * cpu_s(renderers["whole"], "all")

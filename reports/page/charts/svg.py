@@ -51,9 +51,11 @@ def marker(target: str, x: float, y: float, size: float, text: str = "") -> str:
 def svg(elements: Sequence[str], height: int, label: str) -> Markup:
     """Put a chart of `WIDTH` x height together; label: the chart in words."""
     # Names from outside went through `escape` where they were put in.
+    content = "".join(elements)
+    role = "group" if "<a " in content else "img"  # what is in an image cannot be reached
     return Markup(
-        f'<svg class="chart" viewBox="0 0 {WIDTH} {height}" role="img" '
-        f'aria-label="{escape(label)}">{"".join(elements)}</svg>'
+        f'<svg class="chart" viewBox="0 0 {WIDTH} {height}" role="{role}" '
+        f'aria-label="{escape(label)}">{content}</svg>'
     )
 
 

@@ -5,6 +5,12 @@ const LEGENDS = {
   clean: [["before the sensor's noise and blur"]],
   depth: [["near to far: 0.5 m red, 4 m and more blue; dark: nothing", "ramp"]],
   amodal: [["the whole of each target: filled where it shows, striped where something hides it"]],
+  classes: [["a colour a class; their names are in conventions.json"]],
+  normals: [["red to the right, green up, blue towards the camera"]],
+  flow: [
+    ["the colour is the direction, bright from 40 px on; to the next frame, of the last one back", ""],
+    ["hidden in the other frame", "#fa963c"], ["outside the other picture", "#50aaeb"],
+  ],
   disparity: [["large red, small blue; dark: none. Rectified pair: boxes and keypoints are not drawn", "ramp"]],
   occlusion: [
     ["seen in the other view", "#5a5c60"], ["hidden in the other view", "#fa963c"],
@@ -41,7 +47,7 @@ function drawView(v, image, show) {
   ctx.fillStyle = GROUND; ctx.fillRect(0, 0, w, h);
   if (image) {
     const half = image.width / 2;
-    ctx.imageSmoothingEnabled = layerNow !== "seg" && layerNow !== "occlusion";
+    ctx.imageSmoothingEnabled = !["seg", "classes"].includes(layerNow) && layerNow !== "occlusion";
     ctx.drawImage(image, v * half, 0, half, half * height / width, 0, 0, w, h);
   }
   if (radios.find((r) => r.value === layerNow).dataset.rectified) return;
@@ -204,7 +210,7 @@ addEventListener("keydown", (event) => {
   const moves = { ArrowLeft: now.i - far, ArrowRight: now.i + far, Home: 0, End: now.source.ms.length - 1 };
   if (event.key in moves && (!own || (at === slider && event.shiftKey))) { stop(); go(moves[event.key]); }
   else if (event.key === " " && !typed && !pressed) toggle();
-  else if (/^[1-9]$/.test(event.key) && !typed && radios[Number(event.key) - 1]) choose(radios[Number(event.key) - 1].value);
+  else if (/^[0-9]$/.test(event.key) && !typed && radios[(Number(event.key) + 9) % 10]) choose(radios[(Number(event.key) + 9) % 10].value);
   else if (/^[pn]$/i.test(event.key) && !typed) step(event.key.toLowerCase() === "n" ? 1 : -1);
   else return;
   event.preventDefault();

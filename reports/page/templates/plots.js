@@ -16,7 +16,13 @@ function themed(value, style) {
   return value;
 }
 
+const flat = !document.createElement("canvas").getContext("webgl");
+
 function draw(plot) {
+  if (flat && plot.dataset.kind === "paths") {
+    say(plot, "The view in 3-D needs WebGL, which this browser does not offer. The positions over time do without.");
+    return;
+  }
   if (!figures || plot.dataset.drawn === plot.dataset.figure || plot.offsetWidth === 0) return;
   const figure = figures[plot.dataset.figure];
   if (!figure) return;

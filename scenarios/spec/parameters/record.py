@@ -10,7 +10,8 @@ from pydantic_core import PydanticCustomError
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Whole = Annotated[int, Strict()]
 Text = Annotated[str, Strict()]
-Name = Annotated[str, Strict(), Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=60)]
+NAME = r"^[a-z][a-z0-9_]*$"
+Name = Annotated[str, Strict(), Field(pattern=NAME, max_length=60)]
 
 
 class Record(BaseModel):

@@ -141,5 +141,5 @@ def _cases(space: Space, plan: MapPlan, cell: Cell) -> tuple[Case, ...]:
         values = [space.nominal()] * plan.seeds
     seeds = noise_seeds(plan.seed, stage, plan.seeds).tolist()
     return tuple(
-        Case(space.family.name, {**v, **here}, s) for v, s in zip(values, seeds, strict=True)
+        Case(space.family.target, {**v, **here}, s) for v, s in zip(values, seeds, strict=True)
     )

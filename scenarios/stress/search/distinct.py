@@ -11,6 +11,7 @@ from scenarios.stress.search.evaluation import Evaluation
 from scenarios.stress.space import Axis, Space
 from sim.motion.stage import Value
 
+MOST_UNSURE = 4  # parameters that are named although some of them may not matter
 PARTS = ("low", "middle", "high")  # thirds of a range
 
 
@@ -43,8 +44,12 @@ class DistinctFailure:
 
     @property
     def words(self) -> str:
-        """Its signature's cell, and whether more of it may not matter."""
-        return self.signature.words + ("" if self.narrowed else " (budget spent: perhaps less)")
+        """Its signature's cell, and whether more of it may not matter; a long one as a number."""
+        if self.narrowed:
+            return self.signature.words
+        cell = self.signature.cell
+        words = f"any of {len(cell)}" if len(cell) > MOST_UNSURE else self.signature.words
+        return f"{words} (budget spent: perhaps less)"
 
 
 def part_of(axis: Axis, value: Value) -> str:

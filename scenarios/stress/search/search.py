@@ -152,7 +152,7 @@ class _Search:
         """Evaluate points of the unit cube, each with noise of its own."""
         return self.play(
             [
-                Case(self.space.family.name, self.space.values_of_unit(point), self._noise(n))
+                Case(self.space.family.target, self.space.values_of_unit(point), self._noise(n))
                 for n, point in enumerate(points, start=len(self.evaluations))
             ]
         )

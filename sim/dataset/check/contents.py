@@ -23,7 +23,10 @@ from sim.dataset.files.layout import (
 from sim.dataset.files.reading import read_json
 
 # Numbers of conventions.json without which a label cannot be read.
-_SCALES = (("depth", "unit_m"), ("disparity", "scale"), ("correspondence", "scale"))
+_SCALES = (
+    *(("depth", "unit_m"), ("disparity", "scale"), ("correspondence", "scale")),
+    *(("normals", "scale"), ("flow", "scale"), ("semantic", "classes")),
+)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from sim.dataset.check.fault import MISSING, Fault, FaultLog
 from sim.dataset.files.checksums import read_sums, sha256_of
-from sim.dataset.files.layout import CHECKSUMS, LABELS, picture_name
+from sim.dataset.files.layout import CHECKSUMS, LABELS, frames_with, picture_name
 from sim.scene.world import CAMERAS
 
 
@@ -131,9 +131,10 @@ def check_completeness(
     for label, folders in LABELS.items():
         suffix = ".npz" if label == "float" else ".png"
         named = label in labels
-        wanted = {picture_name(i, suffix) for i in range(frames)} if named else set()
         superfluous = "of no frame" if named else "of a label that manifest.json does not name"
         for folder in folders:
+            framed = frames_with(folder, frames) if named else ()
+            wanted = {picture_name(i, suffix) for i in framed}
             path = f"{name}/{folder}"
             yield from _differences(path, wanted, tree.names(path), superfluous)
 

@@ -1,4 +1,4 @@
-"""truth.parquet and objects.parquet of a sequence, a record per frame."""
+"""The tables of a sequence, a record per frame."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from pjpdaf.arrays import Floats
 from pjpdaf.errors import FileError
 from sim.dataset.files.layout import OBJECTS, RIG, TRUTH
 from sim.dataset.frame_rows import FrameRow, read_frame_rows
-from sim.dataset.labels.records import KEYPOINTS
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 from sim.truth import Truth
@@ -21,7 +20,8 @@ from sim.truth import Truth
 class FrameTables:
     """The rows of a frame. rows: per target; truth: their record; objects: rows per object.
 
-    keypoints_m (K, 3); per view keypoints_px (K, 2) and keypoint_status (K,).
+    keypoints_m (K, 3); per view keypoints_px (K, 2) and keypoint_status (K,); the same of the
+    P points of skeletons.parquet. finger_angles_rad (2, 5, 3).
     """
 
     truth: Truth
@@ -30,6 +30,10 @@ class FrameTables:
     keypoints_m: Floats
     keypoints_px: tuple[Floats, ...]
     keypoint_status: tuple[NDArray[np.int64], ...]
+    skeleton_m: Floats
+    skeleton_px: tuple[Floats, ...]
+    skeleton_status: tuple[NDArray[np.int64], ...]
+    finger_angles_rad: Floats
 
     @property
     def arrived(self) -> tuple[bool, ...]:
@@ -60,6 +64,10 @@ def read_frames(sequence: StoredSequence) -> list[FrameTables]:
                 _points(rows, "keypoints_m", 3),
                 tuple(_points(rows, f"keypoints_{camera}_px", 2) for camera in CAMERAS),
                 tuple(_statuses(rows, f"keypoint_status_{camera}") for camera in CAMERAS),
+                _points(frame.skeletons, "points_m", 3),
+                tuple(_points(frame.skeletons, f"points_{camera}_px", 2) for camera in CAMERAS),
+                tuple(_statuses(frame.skeletons, f"point_status_{camera}") for camera in CAMERAS),
+                np.array([row["finger_angles_rad"] for row in frame.skeletons[1:]], np.float64),
             )
         )
     return tables
@@ -68,7 +76,7 @@ def read_frames(sequence: StoredSequence) -> list[FrameTables]:
 def _points(rows: tuple[FrameRow, ...], key: str, size: int) -> Floats:
     points = [point for row in rows for point in row[key]]
     array = np.array([[np.nan if v is None else v for v in p] for p in points], np.float64)
-    assert array.shape == (len(KEYPOINTS), size), "read_frame_rows has checked it"
+    assert array.shape == (len(points), size), "read_frame_rows has checked it"
     return array
 
 

@@ -11,7 +11,7 @@ from pjpdaf.camera import StereoRig, distort_points, project, to_camera
 from pjpdaf.targets import HEAD
 from sim.dataset.check.fault import Fault, FrameFault
 from sim.dataset.check.frame_tables import FrameTables
-from sim.dataset.files.layout import RIG, TRUTH
+from sim.dataset.files.layout import RIG, SKELETON, TRUTH
 from sim.dataset.labels.records import KEYPOINTS, NOT_LABELLED
 from sim.scene.world import CAMERAS
 
@@ -60,3 +60,24 @@ def _excess_px(frame: FrameTables, rig: StereoRig, view: int, later_s: float) ->
         return 0.0
     off = np.linalg.norm(distort_points(camera, project(camera, points)) - pixels, axis=1)
     return float(np.max(np.nan_to_num(off - allowed, nan=np.inf)[used]))
+
+
+def check_skeleton_pixels(
+    name: str, tables: list[FrameTables], rig: StereoRig, skew_s: float
+) -> Iterator[FrameFault]:
+    """Check the pixels of skeletons.parquet against its places, by cameras without fault.
+
+    With shutter skew the right view's pixels are of another moment, and are not compared.
+    """
+    for view, camera in enumerate(CAMERAS):
+        if view == 1 and skew_s > 0:
+            continue
+        own = rig.cameras[view]
+        for i, frame in enumerate(tables):
+            used = frame.skeleton_status[view] != NOT_LABELLED
+            expected = distort_points(own, project(own, frame.skeleton_m[used]))
+            off = np.linalg.norm(expected - frame.skeleton_px[view][used], axis=1)
+            off_px = float(np.nan_to_num(off, nan=np.inf).max(initial=0.0))
+            if off_px > SAME_PX:
+                text = f"are {off_px:.3g} px off where {RIG} projects points_m"
+                yield FrameFault(f"{name}/{SKELETON}", f"points, {camera} view", i, text)

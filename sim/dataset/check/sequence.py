@@ -22,13 +22,14 @@ from sim.dataset.check.files import (
 from sim.dataset.check.frame.checks import FrameChecks
 from sim.dataset.check.frame.pixel_rays import RigRays
 from sim.dataset.check.frame_tables import FrameTables, read_frames
-from sim.dataset.check.projection import check_projection
+from sim.dataset.check.projection import check_projection, check_skeleton_pixels
+from sim.dataset.check.skeletons import check_skeletons
 from sim.dataset.check.table_rows import check_poses, check_times
-from sim.dataset.files.layout import EVENTS, OBJECTS, RECIPE, RIG, TRUTH
+from sim.dataset.files.layout import EVENTS, OBJECTS, RECIPE, RIG, SKELETON, TRUTH
 from sim.dataset.stored_sequence import StoredSequence
 from sim.steps import step
 
-NEEDED = (EVENTS, OBJECTS, RECIPE, RIG, TRUTH)
+NEEDED = (EVENTS, OBJECTS, RECIPE, RIG, SKELETON, TRUTH)
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,9 @@ def check_sequence(
             if rays_hold:
                 faults = check_projection(name, tables, sequence.rig, rig.skew_s)
                 rays_hold = not log.add("projection", faults)
+            if rays_hold:
+                pixels = check_skeleton_pixels(name, tables, sequence.rig, rig.skew_s)
+                log.add("skeletons", pixels)
         rays = RigRays.of(sequence.rig, rig.skew_s) if rays_hold else None
         frames = FrameChecks(sequence, tree, labels, rig.names, tables, rays, log)
         last = max((_number(path) for path in tree.plain), default=0)
@@ -104,6 +108,7 @@ def _check_tables(sequence: StoredSequence, tables: list[FrameTables], log: Faul
     """Check the rows of the tables, and events.json against them."""
     log.add("times", check_times(sequence.name, tables, sequence.fps))
     log.add("poses", check_poses(sequence.name, tables))
+    log.add("skeletons", check_skeletons(sequence.name, tables))
     events = log.read(lambda: sequence.events)
     if events is not None:
         log.add("events", check_events(sequence.name, tables, events))

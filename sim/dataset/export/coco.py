@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pjpdaf.errors import FileError
 from pjpdaf.targets import TARGETS
@@ -21,6 +22,7 @@ from sim.dataset.export.coco_ids import (
     FIRST_OBJECT_CATEGORY,
     INSTANCES,
     OBJECT_KINDS,
+    PERSON_CATEGORY,
     categories,
     image_id,
     pair_id,
@@ -28,7 +30,8 @@ from sim.dataset.export.coco_ids import (
 from sim.dataset.export.export import AddSequence, Export
 from sim.dataset.files.layout import RIG, SCHEMA_VERSION, picture_name
 from sim.dataset.frame_rows import FrameRow, FrameRows, object_kinds, read_frame_rows
-from sim.dataset.labels.records import NOT_LABELLED
+from sim.dataset.labels.instances import NOTHING, PERSON
+from sim.dataset.labels.records import BODY_POINTS, BODY_SKELETON, COCO_BODY, NOT_LABELLED
 from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
@@ -39,6 +42,7 @@ LICENCE = {
     "name": "Creative Commons Attribution 4.0 International (CC BY 4.0)",
     "url": "https://creativecommons.org/licenses/by/4.0/",
 }
+_OF_PERSON = set(range(NOTHING + 1, PERSON + 1))  # ids of the person, head and hands
 _PX, _M, _SHARE = 3, 6, 6  # decimals: 0.001 px, 1 um; truth.parquet has all of them
 
 
@@ -112,14 +116,29 @@ class _ViewRecords:
         ids = set(np.flatnonzero(np.bincount(seg.ravel())).tolist())
         visible: list[tuple[int, dict[str, Any]]] = []
         hidden = []
-        for (number, row), amodal in zip(
-            enumerate(frame.targets, 1), self._amodal_fields(frame.index), strict=True
+        # Of the head its own two keypoints, of a hand its joints.
+        _, *hands = frame.skeletons
+        for (number, row), skeleton, amodal in zip(
+            enumerate(frame.targets, 1),
+            (None, *hands),
+            self._amodal_fields(frame.index),
+            strict=True,
         ):
-            record = {"category_id": number, "track_id": number, **self._target(row), **amodal}
+            points = self._keypoints(row) if skeleton is None else self._skeleton(skeleton)
+            record = {
+                "category_id": number,
+                "track_id": number,
+                **points,
+                **self._target(row),
+                **amodal,
+            }
             if number in ids:
                 visible.append((number, record))
             else:
                 hidden.append(record)
+        if ids & _OF_PERSON:
+            person = {"category_id": PERSON_CATEGORY, "track_id": PERSON_CATEGORY}
+            visible.append((PERSON_CATEGORY, {**person, **self._skeleton(frame.skeletons[0])}))
         for row in frame.objects:
             number = self._number(row["object"])
             if number in ids:
@@ -127,9 +146,7 @@ class _ViewRecords:
         image = image_id(self._sequence.name, frame.index, self._view)
         file.add_image(self._image(image, frame, hidden))
         if visible:
-            masks = self._run_lengths(
-                seg[None] == np.array([n for n, _ in visible], np.uint8)[:, None, None]
-            )
+            masks = self._run_lengths(np.array([self._mask(seg, n) for n, _ in visible]))
             for (number, record), (runs, area, box) in zip(visible, masks, strict=True):
                 file.add_annotation(
                     {
@@ -169,21 +186,35 @@ class _ViewRecords:
             for runs, area, box in masks
         ]
 
-    def _target(self, row: FrameRow) -> dict[str, Any]:
+    @staticmethod
+    def _mask(seg: NDArray[np.uint8], number: int) -> NDArray[np.bool_]:
+        """The mask (h, w) of a track: of the person, with head and hands."""
+        if number == PERSON_CATEGORY:
+            return np.asarray((seg > NOTHING) & (seg <= PERSON))
+        return np.asarray(seg == number)
+
+    def _keypoints(self, row: FrameRow) -> dict[str, Any]:
         camera = self._camera
         status, points = row[f"keypoint_status_{camera}"], row[f"keypoints_{camera}_px"]
-        flat: list[float] = []
-        for state, point in zip(status, points, strict=True):
-            known = state != NOT_LABELLED
-            flat += [*(_rounded(point, _PX) if known else (0, 0)), state]
+        return _points(status, points, row["keypoints_m"])
+
+    def _skeleton(self, row: FrameRow) -> dict[str, Any]:
+        """Of a row of skeletons.parquet; COCO's points of the legs are not labelled."""
+        camera = self._camera
+        unlabelled = len(COCO_BODY) - len(BODY_POINTS) if row["skeleton"] == BODY_SKELETON else 0
+        return _points(
+            [*row[f"point_status_{camera}"], *(unlabelled * [NOT_LABELLED])],
+            [*row[f"points_{camera}_px"], *(unlabelled * [None])],
+            [*row["points_m"], *(unlabelled * [None])],
+        )
+
+    def _target(self, row: FrameRow) -> dict[str, Any]:
+        camera = self._camera
         return {
-            "num_keypoints": sum(state != NOT_LABELLED for state in status),
-            "keypoints": flat,
             "visible_fraction": round(row[f"visible_fraction_{camera}"], _SHARE),
             "truncation": round(row[f"truncation_{camera}"], _SHARE),
             "occluded_by": {by["instance"]: by["pixels"] for by in row[f"occluded_by_{camera}"]},
             "position_m": _rounded([row[f"{axis}_m"] for axis in "xyz"], _M),
-            "keypoints_3d_m": [_rounded(point, _M) for point in row["keypoints_m"]],
         }
 
     def _object(self, number: int, row: FrameRow) -> dict[str, Any]:
@@ -205,6 +236,21 @@ class _ViewRecords:
         if number is None:
             raise FileError(self._sequence.folder / RIG, f"instances: has no object {name!r}")
         return number
+
+
+def _points(
+    status: list[int], pixels: list[Any], places_m: list[list[float] | None]
+) -> dict[str, Any]:
+    """COCO's fields of keypoints; those that no data set labels have no place."""
+    flat: list[float] = []
+    for state, point in zip(status, pixels, strict=True):
+        known = state != NOT_LABELLED
+        flat += [*(_rounded(point, _PX) if known else (0, 0)), state]
+    return {
+        "num_keypoints": sum(state != NOT_LABELLED for state in status),
+        "keypoints": flat,
+        "keypoints_3d_m": [None if p is None else _rounded(p, _M) for p in places_m],
+    }
 
 
 def _rounded(values: list[float], decimals: int) -> list[float]:

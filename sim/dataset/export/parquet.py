@@ -56,6 +56,20 @@ def _keypoints(name: str, value: Callable[[Any], Any]) -> Callable[[FrameRows], 
     return lambda frame: [value(entry) for row in frame.targets for entry in row[name]]
 
 
+def _hands(name: str, value: Callable[[Any], Any]) -> Callable[[FrameRows], list[Any]]:
+    """A list over the joints, or the fingers, of the right hand, then of the left."""
+    return lambda frame: [value(entry) for row in frame.skeletons[1:] for entry in row[name]]
+
+
+def _body(name: str, value: Callable[[Any], Any]) -> Callable[[FrameRows], list[Any]]:
+    """A list over the points of the body."""
+    return lambda frame: [value(entry) for entry in frame.skeletons[0][name]]
+
+
+def _point(numbers: list[float | None]) -> list[float]:
+    return [_number(value) for value in numbers]
+
+
 def _objects(value: Callable[[FrameRow], Any]) -> Callable[[FrameRows], list[Any]]:
     """A list over the objects of a frame."""
     return lambda frame: [value(row) for row in frame.objects]
@@ -72,6 +86,9 @@ _FRAME_COLUMNS: list[Column] = [
     ("velocities_mps", _TABLE, _targets(lambda row: _vector(row, "v{}_mps"))),
     ("surfaces_m", _TABLE, _targets(lambda row: _vector(row, "surface_{}_m"))),
     ("keypoints_m", _TABLE, _keypoints("keypoints_m", lambda point: point)),
+    ("hand_joints_m", _TABLE, _hands("points_m", list)),
+    ("finger_angles_rad", _TABLE, _hands("finger_angles_rad", list)),
+    ("body_points_m", _TABLE, _body("points_m", list)),
     ("objects", _TEXTS, _objects(lambda row: row["object"])),
     ("object_positions_m", _TABLE, _objects(lambda row: _vector(row, "{}_m"))),
     ("object_quaternions", _TABLE, _objects(lambda row: [row[q] for q in _QUATERNION])),
@@ -103,8 +120,12 @@ def _view_columns(c: str) -> list[Column]:
         (f"merged_{c}", pa.list_(pa.list_(_B)), _targets(merged)),
         (f"occluders_{c}", pa.list_(_TEXTS), _targets(lambda row: occluders(row, "instance"))),
         (f"occluded_{c}_px", pa.list_(_NUMBERS), _targets(lambda row: occluders(row, "pixels"))),
-        (points, _TABLE, _keypoints(points, lambda point: [_number(x) for x in point])),
-        (status, _NUMBERS, _keypoints(status, lambda state: state)),
+        (points, _TABLE, _keypoints(points, _point)),
+        (status, _NUMBERS, _keypoints(status, int)),
+        (f"hand_joints_{c}_px", _TABLE, _hands(f"points_{c}_px", _point)),
+        (f"hand_joint_status_{c}", _NUMBERS, _hands(f"point_status_{c}", int)),
+        (f"body_points_{c}_px", _TABLE, _body(f"points_{c}_px", _point)),
+        (f"body_point_status_{c}", _NUMBERS, _body(f"point_status_{c}", int)),
         (f"object_visible_{c}_px", _NUMBERS, _objects(lambda row: row[f"visible_{c}_px"])),
     ]
 

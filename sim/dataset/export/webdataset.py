@@ -17,7 +17,7 @@ from typing import Any
 from pjpdaf.camera import Camera
 from sim.dataset.export.export import AddSequence, Export, file_bytes
 from sim.dataset.files.cameras import camera_record
-from sim.dataset.files.layout import LABELS, picture_name
+from sim.dataset.files.layout import LABELS, frames_with, picture_name
 from sim.dataset.frame_rows import FrameRow, FrameRows, read_frame_rows
 from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
@@ -61,6 +61,8 @@ def _sample(
     for label, folders in LABELS.items():
         suffix = ".npz" if label == "float" else ".png"
         for name in folders if label in dataset.labels else ():
+            if frame.index not in frames_with(name, sequence.frame_count):
+                continue
             path = sequence.folder / name / picture_name(frame.index, suffix)
             members[f"{name}{suffix}"] = file_bytes(path)
     text = json.dumps({**common, **_frame_record(frame)}, allow_nan=False)
@@ -96,6 +98,7 @@ def _frame_record(frame: FrameRows) -> dict[str, Any]:
         "events": frame.targets[0]["events"],
         "targets": [_unshared(row) for row in frame.targets],
         "objects": [_unshared(row) for row in frame.objects],
+        "skeletons": [_unshared(row) for row in frame.skeletons],
     }
 
 

@@ -5,16 +5,18 @@ from __future__ import annotations
 import re
 
 KIND = "pjpdaf-bench data set"
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
+OLDEST_VERSION = 1  # that can be read; without skeletons
 MANIFEST, CONVENTIONS, CHECKSUMS, CARD = (
     "manifest.json",
     "conventions.json",
     "SHA256SUMS",
     "README.md",
 )
-TRUTH, OBJECTS, EVENTS, RECIPE, RIG = (
+TRUTH, OBJECTS, SKELETON, EVENTS, RECIPE, RIG = (
     "truth.parquet",
     "objects.parquet",
+    "skeletons.parquet",
     "events.json",
     "recipe.json",
     "rig.json",
@@ -31,10 +33,23 @@ LABELS: dict[str, tuple[str, ...]] = {
     "amodal": ("amodal_left", "amodal_right"),
     "disparity": ("disparity_left", "disparity_right", "occlusion_left", "occlusion_right"),
     "correspondence": ("correspondence_left", "correspondence_right"),
+    "semantic": ("semantic_left", "semantic_right"),
+    "normals": ("normals_left", "normals_right"),
+    "flow": (
+        *("flow_forward_left", "flow_forward_right"),
+        *("flow_backward_left", "flow_backward_right"),
+    ),
     "float": ("float_left", "float_right"),
 }
 DEFAULT_LABELS = ("depth", "seg", "amodal", "disparity")
-EXPORTS = ("coco", "mot", "webdataset", "parquet")  # other formats, beside the sequences
+# Small enough for many frames: nothing of 32 bits, nothing that others say.
+TRAINING_LABELS = ("depth", "seg", "disparity", "semantic")
+EXPORTS = (  # other formats, beside the sequences
+    *("coco", "mot", "webdataset", "parquet"),
+    *("yolo-pose", "yolo-seg", "middlebury"),
+)
+# The label without which a format cannot be made.
+EXPORTS_NEED = {"coco": "seg", "yolo-seg": "seg", "middlebury": "disparity"}
 
 DEPTH_UNIT_M = 1e-4
 DISPARITY_SCALE = 256.0
@@ -55,3 +70,9 @@ def is_sequence_name(name: str) -> bool:
 def picture_name(index: int, suffix: str = ".png") -> str:
     """Name of a frame's file; index from 0, files are numbered from 1 as in MOTChallenge."""
     return f"{index + 1:06d}{suffix}"
+
+
+def frames_with(folder: str, frames: int) -> range:
+    """The frames of a sequence that have a file in a folder of labels: flow needs a neighbour."""
+    first = int(folder.startswith("flow_backward"))
+    return range(first, max(frames - int(folder.startswith("flow_forward")), first))

@@ -1,4 +1,4 @@
-"""Writes truth.parquet and objects.parquet a group of rows at a time: memory does not grow."""
+"""Writes the tables of a sequence a group of rows at a time: memory does not grow."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from sim.dataset.files.layout import OBJECTS, TRUTH
-from sim.dataset.files.tables import OBJECTS_SCHEMA, TRUTH_SCHEMA
+from sim.dataset.files.layout import OBJECTS, SKELETON, TRUTH
+from sim.dataset.files.tables import OBJECTS_SCHEMA, SKELETON_SCHEMA, TRUTH_SCHEMA
 
 ROW_GROUP = 4096  # rows of a table that are held before Parquet takes them
-_SCHEMAS = {TRUTH: TRUTH_SCHEMA, OBJECTS: OBJECTS_SCHEMA}
+_SCHEMAS = {TRUTH: TRUTH_SCHEMA, OBJECTS: OBJECTS_SCHEMA, SKELETON: SKELETON_SCHEMA}
 
 
 class TableWriter:
-    """Both tables of a sequence. writers: by file name."""
+    """The tables of a sequence. writers: by file name."""
 
     def __init__(self, writers: Mapping[str, pq.ParquetWriter]) -> None:
         self._writers = writers
@@ -44,7 +44,7 @@ class TableWriter:
 
 @contextmanager
 def writing_tables(folder: Path) -> Iterator[TableWriter]:
-    """A writer of both tables into a folder. Raises OSError of the disk."""
+    """A writer of the tables into a folder. Raises OSError of the disk."""
     with ExitStack() as stack:
         writers = {
             name: stack.enter_context(pq.ParquetWriter(folder / name, schema, compression="zstd"))

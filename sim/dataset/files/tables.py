@@ -1,4 +1,4 @@
-"""truth.parquet and objects.parquet: schemas, rows of exact numbers, and the truth from rows."""
+"""The tables of a sequence: schemas, rows of exact numbers, and the truth from rows."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pyarrow as pa
 
 from pjpdaf.targets import TARGETS
 from sim.dataset.labels.instances import Instances
-from sim.dataset.labels.records import KEYPOINTS, FrameLabels
+from sim.dataset.labels.records import HAND_SKELETONS, KEYPOINTS, SKELETONS, FrameLabels
 from sim.scene.world import CAMERAS
 from sim.truth import Truth, ViewTruth
 
@@ -63,6 +63,24 @@ OBJECTS_SCHEMA = pa.schema(
         *((q, _F) for q in _QUATERNION),
         *((f"v{a}_mps", _F) for a in _AXES),
         *((f"visible_{view}_px", _I) for view in CAMERAS),
+    ]
+)
+# A row per frame and skeleton.
+SKELETON_SCHEMA = pa.schema(
+    [
+        ("frame_index", _I),
+        ("time_s", _F),
+        ("skeleton", _S),
+        ("points_m", pa.list_(pa.list_(_F))),
+        *(
+            field
+            for view in CAMERAS
+            for field in (
+                (f"points_{view}_px", pa.list_(pa.list_(_F))),
+                (f"point_status_{view}", pa.list_(pa.int8())),
+            )
+        ),
+        ("finger_angles_rad", pa.list_(pa.list_(_F))),
     ]
 )
 
@@ -133,6 +151,32 @@ def object_rows(truth: Truth, labels: FrameLabels) -> list[dict[str, Any]]:
         }
         for i, state in enumerate(labels.objects)
     ]
+
+
+def skeleton_rows(truth: Truth, labels: FrameLabels) -> list[dict[str, Any]]:
+    """Rows of a frame for skeletons.parquet, one per skeleton; only hands have finger angles."""
+    rows: list[dict[str, Any]] = []
+    first = 0
+    for name, points in SKELETONS.items():
+        own = slice(first, first + len(points))
+        of_hand = name in HAND_SKELETONS
+        angles = labels.finger_angles_rad[HAND_SKELETONS.index(name)].tolist() if of_hand else []
+        rows.append(
+            {
+                "frame_index": truth.index,
+                "time_s": truth.time_s,
+                "skeleton": name,
+                "points_m": labels.skeleton_m[own].tolist(),
+                "finger_angles_rad": angles,
+            }
+        )
+        for view, view_labels in zip(CAMERAS, labels.views, strict=True):
+            rows[-1] |= {
+                f"points_{view}_px": [_pair(p) for p in view_labels.skeleton_px[own]],
+                f"point_status_{view}": view_labels.skeleton_status[own].tolist(),
+            }
+        first = own.stop
+    return rows
 
 
 def _numbers(names: Sequence[str], values: Any) -> dict[str, float | None]:

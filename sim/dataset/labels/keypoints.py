@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
-from pjpdaf.camera import Camera, project, to_camera
-from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND
+from pjpdaf.camera import Camera
 from sim.anatomy import Anatomy
-from sim.dataset.labels.records import KEYPOINTS, NOT_LABELLED, OCCLUDED, VISIBLE
-from sim.lens import Lens, real_pixels
-from sim.person.hand import FINGERS, fingers, joint_angles, palm_surface
+from sim.dataset.labels.records import KEYPOINTS
+from sim.dataset.labels.visibility import BodyPoints, project_points
+from sim.lens import Lens
+from sim.person.hand import Finger, fingers, joint_angles, palm_surface
 from sim.person.head import head_surface
 from sim.pose import Pose, Transform
 from sim.vectors import about
@@ -20,10 +20,9 @@ from sim.vectors import about
 # point of the surface's mid-line below the fold is the chin (the pogonion of anatomy).
 CHIN_FOLD = 0.62
 CHIN_M = 0.010  # depth of the chin's bulge, of which the keypoint is the top
-# Parts are no ellipsoids: a nose and the palm's square edges reach up to this much farther, and
-# so does the last bone of a finger seen along its length.
-MARGIN = 1.5
 MIRROR = np.array([1.0, -1.0, 1.0])  # right hand -> left hand
+_OWNERS = np.array([target for target, _ in KEYPOINTS])
+_SHOWN_BY = np.arange(256) == 1 + _OWNERS[:, None]  # by instance ids
 
 
 class Keypoints:
@@ -52,9 +51,9 @@ class Keypoints:
     def positions(self, pose: Pose) -> Floats:
         """World positions (K, 3) [m]."""
         right, left = (self._in_hand(curls) for curls in pose.curls)
-        head = _placed(pose.head, np.array([np.zeros(3), self._chin]))
+        head = placed(pose.head, np.array([np.zeros(3), self._chin]))
         hands = [
-            _placed(part, own) for part, own in zip(pose.hands, (right, left * MIRROR), strict=True)
+            placed(part, own) for part, own in zip(pose.hands, (right, left * MIRROR), strict=True)
         ]
         return np.concatenate([head, *hands])
 
@@ -66,51 +65,30 @@ class Keypoints:
         instances: NDArray[np.uint8],
         depth_m: NDArray[np.float32],
     ) -> tuple[Floats, NDArray[np.int8]]:
-        """Real pixels (K, 2) and status (K,) of the keypoints of a pose in a view that shows it.
+        """Pixels (K, 2) and status (K,) of `project_points` in a view that shows this pose.
 
-        VISIBLE: the keypoint's pixel shows its target's skin, and that surface belongs to the part
-        of the body around the keypoint: it lies no more than MARGIN times the part's half thickness
-        before it, measured along the ray through an ellipsoid of the part's size (head,
-        palm, wrist; for a tip its finger's radius, for the chin, on the surface, CHIN_M). So a
-        finger before the palm of its own hand hides it, and so do hair and glasses.
-        OCCLUDED: anything else inside the picture. NOT_LABELLED: outside it, or behind the camera.
-        The pixel is NaN behind the camera and beyond the reach of the lens.
+        The part of the body around a keypoint is an ellipsoid of the size of the head, palm or
+        wrist; for a tip of its finger's radius, for the chin, on the surface, of CHIN_M.
         """
-        places = self.positions(pose)
-        inside = to_camera(camera, places)
-        ideal = project(camera, places).astype(np.float32)
-        pixels = np.stack(real_pixels(camera, lens, ideal[:, 0], ideal[:, 1]), axis=-1).astype(
-            float
-        )
-        status = np.full(len(places), NOT_LABELLED, np.int8)
-        height, width = depth_m.shape
-        parts = {HEAD: pose.head, RIGHT_HAND: pose.hands[0], LEFT_HAND: pose.hands[1]}
-        for k, (target, _) in enumerate(KEYPOINTS):
-            x, y = np.floor(pixels[k] + 0.5)
-            if not (0 <= x < width and 0 <= y < height):
-                continue
-            at = int(y), int(x)
-            range_m = float(np.linalg.norm(inside[k]))
-            along = camera.R_cw.T @ (inside[k] / range_m)
-            half_m = 1 / np.linalg.norm(parts[target].rotation.T @ along / self._half_m[k])
-            before_m = range_m - depth_m[at] * range_m / inside[k, 2]
-            mine = instances[at] == 1 + target
-            status[k] = VISIBLE if mine and before_m <= MARGIN * half_m else OCCLUDED
-        return pixels, status
+        turns = np.array([pose.head.rotation, *(hand.rotation for hand in pose.hands)])
+        points = BodyPoints(self.positions(pose), turns[_OWNERS], self._half_m, _SHOWN_BY)
+        return project_points(points, camera, lens, instances, depth_m)
 
     def _in_hand(self, curls: Floats) -> Floats:
         """The right hand's keypoints (7, 3) in its own frame."""
-        tips = []
-        for finger, curl in zip(self._fingers, curls, strict=True):
-            at, turned = finger.base_m, finger.rotation
-            for length, angle in zip(
-                finger.lengths_m, joint_angles(finger, float(curl)), strict=True
-            ):
-                turned = turned @ about(finger.axis, float(angle))
-                at = at + length * turned[:, 0]
-            tips.append(at)
-        assert len(tips) == len(FINGERS)
-        return np.array([self._wrist, np.zeros(3), *tips])
+        chains = [chain(f, float(curl)) for f, curl in zip(self._fingers, curls, strict=True)]
+        return np.array([self._wrist, np.zeros(3), *(points[-1] for points in chains)])
+
+
+def chain(finger: Finger, curl: float) -> Floats:
+    """The joints and the tip (4, 3) of a finger in the right hand's frame [m]."""
+    at, turned = finger.base_m, finger.rotation
+    points = [at]
+    for length, angle in zip(finger.lengths_m, joint_angles(finger, curl), strict=True):
+        turned = turned @ about(finger.axis, float(angle))
+        at = at + length * turned[:, 0]
+        points.append(at)
+    return np.array(points)
 
 
 def chin(anatomy: Anatomy) -> Floats:
@@ -121,6 +99,6 @@ def chin(anatomy: Anatomy) -> Floats:
     return np.asarray(below[np.argmax(below[:, 0])])
 
 
-def _placed(part: Transform, points: Floats) -> Floats:
+def placed(part: Transform, points: Floats) -> Floats:
     """Points (n, 3) of a part's frame in the world."""
     return np.asarray(part.position_m + points @ part.rotation.T)

@@ -10,19 +10,23 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from pjpdaf.arrays import Floats
+from pjpdaf.arrays import Floats, Image
 from sim.camera.render import StereoRenderer, ViewRender
+from sim.dataset.labels.classes import classes_of
+from sim.dataset.labels.flow import Moment, ViewFlow
 from sim.dataset.labels.instances import FIRST_OBJECT, Instances, instances_of
 from sim.dataset.labels.keypoints import Keypoints
 from sim.dataset.labels.masks import box_of, hidden
 from sim.dataset.labels.records import (
     CENTRE_KEYPOINTS,
     NOT_LABELLED,
+    FlowLabels,
     FrameLabels,
     Matches,
     ObjectState,
     ViewLabels,
 )
+from sim.dataset.labels.skeletons import Skeletons
 from sim.dataset.labels.stereo import Depths, Float32s, PicturePair, RectifiedPair
 from sim.dataset.labels.truncation import IdealPixels, pixels_inside, touches_border, truncation
 from sim.labels import VELOCITY_STEP_S
@@ -32,6 +36,7 @@ from sim.sequence import RenderedFrame, Simulation
 from sim.vectors import about_z
 
 DISPARITY, CORRESPONDENCE = "disparity", "correspondence"
+SEMANTIC, NORMALS, FLOW = "semantic", "normals", "flow"
 
 
 class Labeller:
@@ -44,7 +49,7 @@ class Labeller:
     view's moment, so that both pixels of a match show the same point.
     """
 
-    WANTED: ClassVar[tuple[str, ...]] = (DISPARITY, CORRESPONDENCE)
+    WANTED: ClassVar[tuple[str, ...]] = (DISPARITY, CORRESPONDENCE, SEMANTIC, NORMALS, FLOW)
 
     def __init__(self, simulation: Simulation, wanted: Collection[str] = WANTED) -> None:
         unknown = sorted(set(wanted) - set(self.WANTED))
@@ -54,8 +59,17 @@ class Labeller:
         world, scene = simulation.world, simulation.performance.scene
         self.instances: Instances = instances_of(world)
         self._keypoints = Keypoints(scene.anatomy)
+        self._skeletons = Skeletons(world)
         self._rectified = RectifiedPair(world.rig, world.lenses) if DISPARITY in wanted else None
         self._matches = PicturePair(world.rig, world.lenses) if CORRESPONDENCE in wanted else None
+        self._classes = classes_of(world) if SEMANTIC in wanted else None
+        self._draws_normals = NORMALS in wanted
+        self._flows = (
+            [ViewFlow(*own) for own in zip(world.rig.cameras, world.lenses, strict=True)]
+            if FLOW in wanted
+            else None
+        )
+        self._moments: dict[int, tuple[Moment, Moment]] = {}  # of the last two frames
         self._ideal = [
             IdealPixels.of(camera, lens) if lens else None
             for camera, lens in zip(world.rig.cameras, world.lenses, strict=True)
@@ -85,14 +99,40 @@ class Labeller:
             )
             for view in (0, 1)
         )
+        if self._flows is not None:
+            second: _ExtraRenders = rendered.hook_results[1]
+            assert first.moment is not None
+            assert second.moment is not None
+            self._moments = {k: self._moments[k] for k in list(self._moments)[-1:]}
+            self._moments[index] = first.moment, second.moment
         parts = (rendered.pose.head, *rendered.pose.hands)
         labels = FrameLabels(
             quaternions=_quaternions(np.array([part.rotation for part in parts])),
             keypoints_m=self._keypoints.positions(rendered.pose),
+            skeleton_m=self._skeletons.positions(rendered.pose),
+            finger_angles_rad=self._skeletons.finger_angles(rendered.pose),
             views=(left, right),
             objects=self._objects(rendered.pose),
         )
         return replace(rendered, hook_results=(None, None)), labels
+
+    def flow(self, index: int) -> FlowLabels:
+        """Optical flow between the frame of this index and the next.
+
+        Each view's is between its own two moments. Frames that were not among the last two
+        labelled are rendered. Raises ValueError where the label `flow` was not wanted.
+        """
+        if self._flows is None:
+            raise ValueError("the label flow was not wanted")
+        before, after = (self._moments.get(k) or self._moment(k) for k in (index, index + 1))
+        pairs = list(zip(self._flows, before, after, strict=True))
+        left, right = (flow.between(one, other) for flow, one, other in pairs)
+        left_back, right_back = (flow.between(other, one) for flow, one, other in pairs)
+        return FlowLabels((left, right), (left_back, right_back))
+
+    def _moment(self, index: int) -> tuple[Moment, Moment]:
+        self.labelled(index)
+        return self._moments[index]
 
     def _render_extras(
         self, world: World, renderer: StereoRenderer, index: int, view: ViewRender
@@ -110,7 +150,10 @@ class Labeller:
                 rectified = left, right
             if skewed and (self._matches is not None or (pair is not None and not pair.drawn)):
                 other = _depth(renderer.view(1, colour=False, amodal=False))
-        return _ExtraRenders(inside, beyond, rectified, other)
+        assert view.geoms is not None
+        normals = renderer.normals(index, view.geoms) if self._draws_normals else None
+        moment = Moment.of(world, view.geoms, _depth(view)) if self._flows is not None else None
+        return _ExtraRenders(inside, beyond, rectified, other, normals, moment)
 
     def _view(
         self, index: int, rendered: RenderedFrame, pose: Pose, depth_m: Float32s
@@ -120,9 +163,9 @@ class Labeller:
         assert view.geoms is not None
         assert view.amodal is not None
         instances = self.instances.ids(view.geoms)
-        pixels, status = self._keypoints.project(
-            pose, world.rig.cameras[index], world.lenses[index], instances, depth_m
-        )
+        camera, lens = world.rig.cameras[index], world.lenses[index]
+        pixels, status = self._keypoints.project(pose, camera, lens, instances, depth_m)
+        joints, joint_status = self._skeletons.project(pose, camera, lens, view.geoms, depth_m)
         counts = np.bincount(instances.ravel(), minlength=self.instances.highest + 1)
         extra: _ExtraRenders = rendered.hook_results[index]
         in_frame = status[list(CENTRE_KEYPOINTS)] != NOT_LABELLED
@@ -135,7 +178,11 @@ class Labeller:
             hidden_px=hidden(view.amodal, instances, self.instances.highest),
             keypoints_px=pixels,
             keypoint_status=status,
+            skeleton_px=joints,
+            skeleton_status=joint_status,
             objects_px=counts[FIRST_OBJECT:].astype(np.int64),
+            classes=None if self._classes is None else np.take(self._classes, view.geoms),
+            normals=extra.normals,
         )
 
     def _objects(self, pose: Pose) -> tuple[ObjectState, ...]:
@@ -170,13 +217,15 @@ class _ExtraRenders:
 
     inside, beyond (T,): amodal pixels for `truncation`, where a target may be cut off. Of the left
     view only: rectified, depths of the rectified pair; other, the right view's depth at the left
-    view's moment.
+    view's moment. normals, moment: of the view, where wanted.
     """
 
     inside: NDArray[np.int64] | None
     beyond: NDArray[np.int64] | None
     rectified: Depths | None
     other: Float32s | None
+    normals: Image | None
+    moment: Moment | None
 
 
 def _depth(view: ViewRender) -> Float32s:

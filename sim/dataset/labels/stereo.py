@@ -95,9 +95,9 @@ class RectifiedPair:
         nearest = np.clip(np.floor(x + np.float32(0.5)), 0, width - 1).astype(np.int32)
         row = np.arange(height, dtype=np.int32)[:, None]
         inside &= np.take(self.covered[1 - view], row * width + nearest)
-        far = _farthest(other, rows=False)
+        far = farthest(other, rows=False)
         met = np.take(far, row * far.shape[1] + first)
-        status = _status(there, inside, z, met, self._rig.focal_px)
+        status = status_of(there, inside, z, met, self._rig.focal_px)
         return Matches(status, disparity_px=np.where(there, disparity, np.float32(np.nan)))
 
 
@@ -112,7 +112,7 @@ class PicturePair:
         for own, other in ((rig.left, rig.right), (rig.right, rig.left)):
             turn = other.R_cw @ own.R_cw.T
             start = other.K @ (other.t_cw - turn @ own.t_cw)
-            slope = np.moveaxis(_rays(own) @ (other.K @ turn).T, -1, 0)
+            slope = np.moveaxis(pixel_rays(own) @ (other.K @ turn).T, -1, 0)
             self._slopes.append(np.ascontiguousarray(slope, np.float32))
             self._starts.append(start.astype(np.float32))
 
@@ -138,20 +138,20 @@ class PicturePair:
         height, width = other.shape
         inside = (x >= -0.5) & (x < width - 0.5) & (y >= -0.5) & (y < height - 0.5)
         column, row = (np.where(inside, np.floor(v), 0).astype(np.int32) + 1 for v in (x, y))
-        far = _farthest(other, rows=True)
+        far = farthest(other, rows=True)
         met = np.take(far, row * far.shape[1] + column)
-        status = _status(np.isfinite(own), inside, z, met, float(camera.K[0, 0]))
+        status = status_of(np.isfinite(own), inside, z, met, float(camera.K[0, 0]))
         return Matches(status, places_px=np.stack([x, y], axis=-1))
 
 
-def _status(
+def status_of(
     there: NDArray[np.bool_],
     inside: NDArray[np.bool_],
     depth_m: Float32s,
     met_m: Float32s,
     focal_px: float,
 ) -> NDArray[np.uint8]:
-    """Status (h, w) of the pixels of a view.
+    """Status (...) of pixels of a view.
 
     there: the pixel shows a surface; inside: its point lies in the other picture; depth_m: of the
     point in the other camera; met_m: the other view's farthest depth around it.
@@ -161,7 +161,7 @@ def _status(
     return np.where(there, status, NO_SURFACE).astype(np.uint8)
 
 
-def _farthest(depth_m: Float32s, rows: bool) -> Float32s:
+def farthest(depth_m: Float32s, rows: bool) -> Float32s:
     """Farthest depth (h, w + 1) of pixels (x - 1, x); with rows (h + 1, w + 1) of y - 1, y too.
 
     Infinite where a pixel shows nothing or is outside the picture.
@@ -172,7 +172,7 @@ def _farthest(depth_m: Float32s, rows: bool) -> Float32s:
     return np.maximum(far[:-1], far[1:]) if rows else far
 
 
-def _rays(camera: Camera) -> Floats:
+def pixel_rays(camera: Camera) -> Floats:
     """Rays (h, w, 3) of the real picture's pixels, z = 1, in the camera's frame."""
     at = ideal_pixels(camera)
     return np.asarray(np.dstack([at, np.ones(at.shape[:2])]) @ np.linalg.inv(camera.K).T)
@@ -188,7 +188,7 @@ def _same(own: Camera, ideal: Camera) -> bool:
 def _covered(ideal: Camera, own: Camera, lens: Lens | None) -> NDArray[np.bool_]:
     """Which pixels (h, w) of a rectified picture lie inside the real one."""
     turn = own.R_cw @ ideal.R_cw.T
-    q = np.moveaxis(_rays(ideal) @ (own.K @ turn).T, -1, 0)
+    q = np.moveaxis(pixel_rays(ideal) @ (own.K @ turn).T, -1, 0)
     x, y = real_pixels(own, lens, *(q[:2] / np.where(q[2] > 0, q[2], np.nan)).astype(np.float32))
     # To SAME_PX: where nothing is moved, the border's pixels are inside.
     low, right, below = -0.5 - SAME_PX, own.width_px - 0.5, own.height_px - 0.5

@@ -11,7 +11,8 @@ import pytest
 from pjpdaf.errors import BenchError
 from pjpdaf.interfaces import Detections, Estimates
 from pjpdaf.plugins.conformance import check_detector, check_named, check_tracker
-from pjpdaf.plugins.registry import PlugInError, make_detector, make_tracker
+from pjpdaf.plugins.loading import PlugInError
+from pjpdaf.plugins.registry import make_detector, make_tracker
 from pjpdaf.plugins.scenes import cameras_in_front, detections_of, painted, paths_m
 from pjpdaf.tracker.filter import PJPDAF
 from pjpdaf.tracker.state import TrackState
@@ -370,7 +371,7 @@ def test_a_name_that_is_not_there_and_a_kind_that_is_not():
         check_named("tracker", "pjpdaf.tracker.filter:make")
     with pytest.raises(BenchError, match=r"No tracker 'thesiss'\. Did you mean 'thesis'"):
         check_named("tracker", "thesiss")
-    with pytest.raises(BenchError, match="--kind must be tracker or detector, got 'x'"):
+    with pytest.raises(BenchError, match="--kind must be tracker, detector or motion, got 'x'"):
         check_named("x", "thesis")
     for limit_s in (0.0, -1.0, float("nan")):
         with pytest.raises(BenchError, match="--limit must be above 0"):

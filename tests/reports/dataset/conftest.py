@@ -17,7 +17,7 @@ __all__ = ["dataset_copy", "dataset_made"]
 
 HOSTILE = "</script><b>x{{ 7*7 }}"
 SIZE_PX = (160, 120)
-LABELS = ("clean", "depth", "seg", "amodal", "disparity")
+LABELS = ("clean", "depth", "seg", "amodal", "disparity", "semantic", "normals", "flow")
 
 
 @pytest.fixture(scope="session")

@@ -19,6 +19,7 @@ from reports.dataset.card_prose import without_paths
 from reports.dataset.card_sample import sample_jpeg
 from reports.dataset.card_tables import TASKS
 from sim.dataset.files.conventions import conventions
+from sim.dataset.files.layout import LABELS
 from sim.dataset.histograms import BINS
 from sim.dataset.raytruth import RayFigures, lines_of
 from sim.dataset.reader import open_dataset
@@ -53,19 +54,19 @@ def test_front_matter_is_what_the_hub_reads(text, dataset):
     for config in head["configs"]:
         files = sorted(dataset.folder.glob(config["data_files"]))
         assert len(files) == 3, config
-    assert [c.get("default", False) for c in head["configs"]] == [True, False]
+    assert [c.get("default", False) for c in head["configs"]] == [True, False, False]
 
 
 def test_tables_can_be_loaded_by_the_hubs_library(dataset, statistics):
     # It reads by row groups: an empty one is a fault to it, and a table without any row as well.
-    for name in ("truth", "objects"):
+    for name in ("truth", "skeletons", "objects"):
         for sequence in dataset.sequences:
             meta = pq.read_metadata(sequence.folder / f"{name}.parquet")
             groups = [meta.row_group(i).num_rows for i in range(meta.num_row_groups)]
             assert 0 not in groups, sequence.name
     assert statistics.object_rows == 4  # one object in one sequence
     bare = card_text(dataset, replace(statistics, object_rows=0))
-    assert [c["config_name"] for c in front_matter(bare)["configs"]] == ["truth"]
+    assert [c["config_name"] for c in front_matter(bare)["configs"]] == ["truth", "skeletons"]
 
 
 def test_size_is_of_the_rows(dataset, statistics):
@@ -116,7 +117,7 @@ def test_all_conventions_and_labels_are_there(text, dataset):
     for key in conventions():
         assert f"**{key.replace('_', ' ')}**" in text
     for label in dataset.labels:
-        assert f"`{label}_left/`" in text
+        assert f"`{LABELS[label][0]}/`" in text
 
 
 def test_figures_of_rays_are_said_or_that_there_are_none(dataset, statistics, text):
@@ -127,6 +128,7 @@ def test_figures_of_rays_are_said_or_that_there_are_none(dataset, statistics, te
         wrong=14.0,
         target_pixels=np.array([400, 100, 100]),
         target_wrong=np.array([1.0, 0.0, 2.0]),
+        class_wrong=3.0,
         depths_m=np.full(9, 3.2e-5, np.float32),
         most_m=0.01,
     )

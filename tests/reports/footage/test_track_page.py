@@ -6,6 +6,7 @@ import json
 import re
 
 import pytest
+from every_reader import faults
 
 from pjpdaf.camera import StereoRig
 from reports.footage.track_page import FILM_BYTES, TrackInfo, track_page
@@ -67,3 +68,10 @@ def test_a_browser_draws_the_plots(record_of, info, opened, tmp_path):
         view.locator("#tracks").scroll_into_view_if_needed()
         view.wait_for_selector('[data-figure="time-0"] svg')
         assert view.inner_text("h1") == HOSTILE
+
+
+def test_it_is_for_every_reader(record_of, info, opened, tmp_path):
+    page = track_page(record_of([WAITING, *[TRACKED] * 6, *[LOST] * 3], missing=(3,)), info())
+    path = write_text(tmp_path / "report.html", page)
+    with opened(path, "html[data-ready=yes]", reduced_motion="reduce") as view:
+        assert faults(view) == []

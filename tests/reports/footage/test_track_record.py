@@ -21,17 +21,19 @@ def test_shares_gaps_and_deviations_of_a_worked_example(record_of):
     assert left.sd_mm == pytest.approx((10.0, 20.0, 30.0))
     assert (record.missing_pictures, record.missing_frames) == (1, [4])
     assert record.verdict() == (
-        "Tracking began at frame 2 (1.0 s). Found in the frames from there on (in brackets: those "
-        "with a stated standard deviation of 50 mm or less): head 100 % (100 %), "
-        "right hand 100 % (100 %), left hand 62 % (100 %). The tracker does not say how sure it is "
-        "of right and left.".replace(" %", "\N{NO-BREAK SPACE}%")
-    )
+        "Found since tracking began in frame 2 (1.0 s): "
+        "head 100 %, right hand 100 %, left hand 62 %. "
+        "The tracker does not say how sure it is of right and left."
+    ).replace(" %", "\N{NO-BREAK SPACE}%")
 
 
 def test_tracking_that_never_begins(record_of):
     record = record_of([WAITING] * 4)
     assert record.first_frame is None
     assert record.verdict().startswith("Tracking never began")
+    assert "--skin-sample" in record.verdict()
+    record.enough_detected = 3
+    assert "left and right view may be exchanged" in record.verdict()
     assert all(np.isnan(summary.sd_mm).all() for summary in record.summaries())
 
 

@@ -1,16 +1,13 @@
 """The page for every reader: WCAG 2.2 AA by axe-core, a phone, a desk, paper, the search box."""
 
-from importlib import resources
-
 import pytest
+from every_reader import violations, widest
 
 from reports.gate.gate import compare
 from reports.page.page import build_page, write_page
 from reports.run.load import load
 from reports.run.save import RunInfo, save
 
-AXE = resources.files("axe_playwright_python") / "axe.min.js"
-LEVELS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"]
 DRAWN = "html[data-thumbs=yes]"
 LONG_NAME = "a_scenario_whose_name_is_as_long_as_any"
 
@@ -40,24 +37,6 @@ def report(runs, tmp_path_factory):
     good, bad = runs
     path = tmp_path_factory.mktemp("report") / "report.html"
     return write_page([bad], path, verdict=compare(good, bad))
-
-
-def widest(view, selector):
-    """By how much the widest of these places is too narrow for what is in it [px]."""
-    overflow = "places => Math.max(...places.map(p => p.scrollWidth - p.clientWidth))"
-    return view.locator(selector).evaluate_all(overflow)
-
-
-def violations(view):
-    """What axe-core objects to, with all folds and columns open."""
-    view.evaluate("document.querySelectorAll('details').forEach(d => { d.open = true; })")
-    view.evaluate("document.querySelectorAll('.more').forEach(b => b.click())")
-    view.evaluate(AXE.read_text(encoding="utf-8"))
-    found = view.evaluate(
-        "tags => axe.run(document, { runOnly: { type: 'tag', values: tags } })", LEVELS
-    )
-    assert len(found["passes"]) > 20  # it did look
-    return [(v["id"], v["nodes"][0]["html"][:99]) for v in found["violations"]]
 
 
 def test_on_a_desk(report, opened):
@@ -112,10 +91,10 @@ def test_on_a_phone_in_the_dark(report, opened):
 def test_the_gate_is_on_the_first_screen(runs, report):
     text = report.read_text(encoding="utf-8")
     first = text.partition("</header>")[0]
-    assert 'class="gate none"><a href="#gate">Gate undecided on ' in first
+    assert 'class="gate none"><a href="#gate">Gate undecided: ' in first
     assert f"{LONG_NAME}, seed 3: +" in text.partition('id="gate"')[2]
     same = build_page([runs[0]], verdict=compare(runs[0], runs[0]))
-    assert "Gate passed: the same results as the baseline, bit for bit" in same
+    assert "Gate passed: the same results as the base, bit for bit" in same
 
 
 def test_nothing_bad_is_not_listed_as_worst(runs):

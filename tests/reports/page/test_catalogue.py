@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from every_reader import faults
 from waiting import until
 
 from reports.page.catalogue import (
@@ -146,3 +147,9 @@ def test_a_browser_shows_it_without_network(page, opened, tmp_path, scheme):
         )
         assert not view.locator("nav").is_visible()
         assert view.pdf(format="A4").startswith(b"%PDF")
+
+
+def test_it_is_for_every_reader(page, opened, tmp_path):
+    path = write_text(tmp_path / "catalogue.html", page)
+    with opened(path, "#suites", reduced_motion="reduce") as view:
+        assert faults(view) == []

@@ -6,6 +6,7 @@ import re
 import shutil
 
 import pytest
+from every_reader import faults
 
 from pjpdaf.errors import BenchError
 from reports.stress.page import write_stress_page
@@ -99,3 +100,8 @@ def test_several_folders_go_on_one_page(stress_folder, tmp_path) -> None:
     assert heads == [f"P({g})<br>{s}" for s in ("thesis", "default") for g in ("swap", "lost")]
     with pytest.raises(BenchError, match="no page shows beside runs of other verbs"):
         remake_report([stress_folder / "episodes", stress_folder], tmp_path / "mixed.html")
+
+
+def test_it_is_for_every_reader(page, opened) -> None:
+    with opened(page, "html[data-thumbs=yes]", reduced_motion="reduce") as view:
+        assert faults(view) == []

@@ -53,7 +53,10 @@ def copied(tmp_path):
     return tmp_path
 
 
-CHANGED = ("sim/camera/render.py", "sim/motion/curves.py", "scenarios/spec/cameras.py")
+CHANGED = (
+    *(f"sim/camera/{name}.py" for name in ("render", "shader", "shadow_map", "still", "sensor")),
+    *("sim/motion/curves.py", "scenarios/spec/cameras.py"),
+)
 KEPT = ("sim/dataset/writer.py", "pjpdaf/tracker/jpda.py", "scenarios/run/run.py")
 
 

@@ -51,14 +51,17 @@ def test_the_line_of_a_run_says_what_was_rendered():
     failure = rows_of(EpisodeFailure("cross", 0, "no step today"))
     settings = CacheSettings(Path("/c"), 1)
 
-    def line(*replayed, settings=settings):
+    def line(*replayed, settings=settings, plugged=0):
         rows = tuple(replace(failure, renderer="egl", replayed=one) for one in replayed)
-        return origin_line((*rows, failure), settings)
+        return origin_line((*rows, failure), settings, plugged)
 
     kept = "kept for the next run in /c (--no-cache: neither)"
     assert line(False, False) == f"footage: rendered and {kept}"
     assert line(False, True, True) == f"footage: 2 of 3 from the cache, the rest {kept}"
     assert line(True, True).startswith("footage: all from the cache, nothing rendered")
+    anew = "footage: 1 episode with a plug-in's motion rendered anew, not kept (the cache cannot"
+    assert line(False, plugged=1) == f"{anew} know all of its code)"
+    assert line(False, True, plugged=1).endswith("its code); 1 of the others from the cache")
     assert line() == line(True, settings=None) == ""
 
 

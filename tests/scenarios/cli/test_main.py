@@ -32,6 +32,10 @@ from commands import ROOT, assert_one_line, bench, in_this_process
         (("run", "--tracker", "nowhere:make"), ("nowhere",)),
         (("run", "missing.yaml"), ("missing.yaml",)),
         (("report", "nowhere"), ("nowhere", "no such run")),
+        (
+            ("track", "--left", "l", "--out", "o", "--calibration", "c.yml", "--no-background"),
+            ("--calibration takes two files", "the option --no-background"),
+        ),
         (("scenarios", "show", "crss"), ("crss", "did you mean cross?")),
     ],
     ids=lambda value: "-".join(value)[:40],

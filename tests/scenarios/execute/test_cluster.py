@@ -6,10 +6,10 @@ import socket
 
 import distributed
 import pytest
-from worker_tasks import cannot_be_sent, double, fails, mixed
+from worker_tasks import cannot_be_sent, double, fails, mixed, surroundings
 
 from pjpdaf.errors import BenchError, InfrastructureError
-from scenarios.execute import cluster
+from scenarios.execute import cluster, cluster_worker, dask_client
 from scenarios.execute.cluster import cluster_executor, worker_wait_s
 from scenarios.execute.cluster_worker import Parcel, Sender, packed, perform
 from scenarios.execute.place import Place
@@ -58,15 +58,33 @@ def test_a_task_of_other_software_is_refused():
     ours = software(PlugIns())
     theirs = tuple({**ours, "numpy": "1.0"}.items())
     sender = pickle.dumps(Sender(theirs, PlugIns()))
-    reply = perform(pickle.dumps(Parcel("r", packed(double, 1), sender, 9.0, 1, 0)))
+    reply = perform(pickle.dumps(Parcel("r", "worker_tasks", packed(double, 1), sender, 9.0, 1, 0)))
     with pytest.raises(BenchError, match=rf"numpy {ours['numpy']}, here 1.0") as fault:
         cluster._outcome(reply, "tcp://w:1")
     assert str(fault.value).startswith("worker tcp://w:1 has other software than this process")
     assert OUR_CODE not in str(fault.value)
 
 
+def test_processes_of_equal_software_start_with_the_module_of_their_task(monkeypatch):
+    monkeypatch.setattr(cluster_worker, "_equal", set())
+    sender = pickle.dumps(Sender(tuple(software(PlugIns()).items()), PlugIns()))
+    module = "scenarios.run.merge"  # of ours, and loaded by nothing else here
+
+    def loaded():
+        """Whether a new isolated process has loaded it, unasked."""
+        work = packed(surroundings, "modules")
+        reply = perform(pickle.dumps(Parcel("r", module, work, sender, 60.0, 1, 0)))
+        return module in cluster._outcome(reply).value
+
+    cluster_worker._POOLS.close()
+    assert not loaded()
+    cluster_worker._POOLS.close()
+    assert loaded()
+    cluster_worker._POOLS.close()
+
+
 def test_no_scheduler_and_no_worker_are_one_line(monkeypatch, capsys):
-    monkeypatch.setattr(cluster, "CONNECT_S", 1.0)
+    monkeypatch.setattr(dask_client, "CONNECT_S", 1.0)
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))  # nobody listens there
         address = f"tcp://127.0.0.1:{taken.getsockname()[1]}"

@@ -168,5 +168,6 @@ def test_a_cluster_that_is_started_here_ends_with_its_command(tmp_path):
     process = started(*run, "--out", "r", cwd=tmp_path)
     _, said = process.communicate(timeout=600)
     assert process.returncode == 0, said
-    found = subprocess.run(["ps", "-o", "pid=", "-g", str(process.pid)], capture_output=True)
-    assert found.stdout.split() == []
+    listing = ["ps", "-o", "stat=,args=", "-g", str(process.pid)]
+    found = subprocess.run(listing, capture_output=True, text=True).stdout.splitlines()
+    assert [line for line in found if not line.startswith("Z")] == []  # Z: ended, not yet collected

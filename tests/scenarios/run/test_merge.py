@@ -73,11 +73,13 @@ def test_merged_shards_are_the_run(tmp_path, rows, capsys):
 
 def test_a_missing_shard_and_an_unfinished_one_are_named(tmp_path, rows):
     one, two, three = shards(tmp_path, rows)
-    with pytest.raises(BenchError, match=r"shard 1/3, 3/3 is missing: 4 episodes are not there"):
+    with pytest.raises(BenchError, match=r"shards 1/3, 3/3 are missing, with 4 episodes; name"):
         merge(two, out=tmp_path / "m")
+    with pytest.raises(BenchError, match=r"^shard 3/3 is missing, with 2 episodes; name all"):
+        merge(one, two, out=tmp_path / "m")
     late = tmp_path / "late"
     play(late, 2, rows, 3, request_of((2, 3)), kept=lambda job: job.name == "cross")
-    with pytest.raises(BenchError, match=r"late: is not finished: bounce seed 1 and 0 more"):
+    with pytest.raises(BenchError, match=r"late: is not finished: 1 episode missing, the first b"):
         merge(one, late, three, out=tmp_path / "m")
     assert not (tmp_path / "m").exists()
 

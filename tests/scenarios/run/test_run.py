@@ -141,7 +141,11 @@ def assert_two_episodes_are_saved(run):
 
 @pytest.mark.parametrize(
     ("number", "second"),
-    [(signal.SIGINT, signal.SIGTERM), (signal.SIGTERM, None), (signal.SIGHUP, signal.SIGINT)],
+    [
+        (signal.SIGINT, signal.SIGTERM),
+        pytest.param(signal.SIGTERM, None, marks=pytest.mark.long),
+        pytest.param(signal.SIGHUP, signal.SIGINT, marks=pytest.mark.long),
+    ],
 )
 def test_an_interrupted_run_keeps_what_is_finished(tmp_path, footage, number, second):
     process = waiting_run(tmp_path, footage)

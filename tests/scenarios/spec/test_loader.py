@@ -19,6 +19,7 @@ from scenarios.spec.loader import (
     load_suite_file,
     parse,
 )
+from scenarios.spec.motion.kinds import KINDS
 from scenarios.spec.names import scenario_names
 from scenarios.spec.scenario import Scenario
 from scenarios.spec.schema import json_schema
@@ -81,11 +82,17 @@ def test_a_good_file_loads_and_text_with_units_becomes_numbers(tmp_path):
         ("frames: 30", "frames: 30\nfps: 31", "6:1: fps: must be at most 30, got 31"),
         ("frames: 30", "frames: 30\nfps: .nan", "6:1: fps: must be finite, got nan"),
         ("frames: 30\n", "", "1:1: frames: is missing"),
+        ("frames: 30", "frames: 30\nsurroundings: varid", "6:1: surroundings: must be one of nominal, varied, got 'varid'; did you mean varied?"),
+        ("frames: 30", "frames: 30\nsurroundings: varied\nrooms: here", "ok"),
+        ("frames: 30", "frames: 30\nrooms: here", "6:1: rooms: goes with `surroundings: varied`"),
+        ("  hand:", "  wall: {choices: [brick]}\n  hand:", "8:3: parameters.wall: goes with `surroundings: varied`"),
+        ("frames: 30\nmotion: {kind: drink}\nparameters:\n", "frames: 30\nsurroundings: varied\nmotion: {kind: drink}\nparameters:\n  wall: {choices: [bricks]}\n", "9:10: parameters.wall.choices: must be among paint, wallpaper, brick, panel, got 'bricks'; did you mean brick?"),
+        ("frames: 30\nmotion: {kind: drink}\nparameters:\n", "frames: 30\nsurroundings: varied\nmotion: {kind: drink}\nparameters:\n  table_depth: {unit: m, range: [0.1, 0.9], nominal: {kind: uniform}}\n", "9:26: parameters.table_depth.range: must lie within 0.6 to 0.95"),
         ("frames: 30", "frames: [1]", "5:1: frames: must be a whole number, got a list"),
         ("summary: Mine.", "summary:", "4:1: summary: must be text, got nothing"),
         ("summary: Mine.", "summary: 2026-01-01", "ok"),
         ("name: mine", "name: My Name", "1:1: name: must be lower-case letters, digits and _, beginning with a letter, got 'My Name'"),
-        ("{kind: drink}", "{kind: drnik}", f"6:10: motion.kind: must be one of {', '.join(FAMILIES)}, got 'drnik'; did you mean drink?"),
+        ("{kind: drink}", "{kind: drnik}", f"6:10: motion.kind: must be one of {', '.join(KINDS)}, got 'drnik'; did you mean drink?"),
         ("{kind: drink}", "drink", "6:1: motion: must be a mapping, got 'drink'"),
         ("unit: m/s,", "unit: mph,", "9:11: parameters.speed.unit: must be one of m, cm, mm, m/s, cm/s, mm/s, km/h, s, ms, rad, deg, px, grey, Hz, K, EV, 1, %, got 'mph'"),
         ("[0.4, 0.8]", "[0.8, 0.4]", "9:22: parameters.speed.range: range is reversed: 0.8 is greater than 0.4"),

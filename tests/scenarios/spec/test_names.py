@@ -19,6 +19,7 @@ from scenarios.spec.parameters.numeric import Numeric
 from scenarios.spec.scenario import Scenario
 from scenarios.spec.standard import STANDARD
 from scenarios.spec.suite import Suite
+from scenarios.stress.families import find_family, is_own
 
 
 def test_the_catalogue_has_all_scenarios_and_suites():
@@ -32,7 +33,8 @@ def test_the_catalogue_has_all_scenarios_and_suites():
         "mirror", "swap_hidden", "parallel",
         "recorded",
     }  # fmt: skip
-    assert set(suite_names()) == {"smoke", "core", "thesis", "fast", "occlusion", "traps"}
+    suites = {"smoke", "core", "thesis", "fast", "occlusion", "traps", "varied"}
+    assert set(suite_names()) == suites
 
 
 def test_core_plays_every_scenario_and_every_nuisance():
@@ -113,3 +115,16 @@ def test_unknown_names_get_a_suggestion(find, word, message):
         find(word)
     assert str(fault.value).startswith(message)
     assert str(fault.value).endswith("; a file of your own ends in .yaml")
+
+
+def test_a_shipped_name_is_found_without_a_look_at_installed_packages(monkeypatch):
+    """A look takes 4 ms, and stress asks four times a trial."""
+
+    def looked(name):
+        raise AssertionError(f"{name}: looked for among entry points")
+
+    for module in ("scenarios.spec.names", "scenarios.stress.families"):
+        monkeypatch.setattr(f"{module}.is_own_motion", looked)
+    assert load_scenario("cross").name == "cross"
+    assert find_family("cross").target == "cross"
+    assert not is_own("cross")

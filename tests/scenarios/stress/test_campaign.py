@@ -5,6 +5,8 @@ from dataclasses import replace
 import pytest
 
 from pjpdaf.errors import BenchError
+from scenarios.play.fast_trust import LEAST_EPISODES, FastTrust
+from scenarios.stress import campaign as module
 from scenarios.stress.campaign import (
     Campaign,
     CampaignRequest,
@@ -114,3 +116,35 @@ def test_a_family_that_fast_does_not_predict_is_played_in_full_and_the_reason_is
     assert capsys.readouterr().err.startswith("nuisances: played in full: fast does not")
     _say_fidelities(replace(request, fidelity="fast"), (cross, nuisances), "fast")
     assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("trust", "fault"),
+    [
+        (FastTrust(25, 20, 3, 2), None),
+        (FastTrust(25, 19, 4, 2), "fast agreed with rendered pictures in 19 of 25 episodes"),
+        (FastTrust(LEAST_EPISODES - 1, 5, 0, 0), "fast agreed with rendered pictures in 5 of 5"),
+        (None, None),  # never measured: nothing speaks against it
+    ],
+)
+def test_a_family_whose_measured_agreement_is_low_is_played_in_full(
+    trust, fault, monkeypatch, capsys
+):
+    measured = {} if trust is None else {"drink": trust}
+    monkeypatch.setattr(module, "fast_trust", {"default": measured}.__getitem__)
+    request = CampaignRequest("search", "cross,drink", detector="default", tracker="default")
+    cross, drink = spaces_of(request)
+    campaign = Campaign(request, (cross, drink), request.system, None, "fast", *[None] * 3)
+    assert fast_fault(request, cross) is None
+    assert campaign.fidelity_for(cross) == "fast"
+    _say_fidelities(request, (cross, drink), "fast")
+    line = capsys.readouterr().err
+    if fault is None:
+        assert fast_fault(request, drink) is None
+        assert campaign.fidelity_for(drink) == "fast"
+        assert line == ""
+    else:
+        assert (fast_fault(request, drink) or "").startswith(fault)
+        assert campaign.fidelity_for(drink) == "full"
+        assert line.startswith(f"drink: played in full: {fault}")
+        assert "--fidelity fast plays it fast" in line

@@ -1,5 +1,7 @@
 """Case files: written, read back, refused where they are of something else."""
 
+from pathlib import Path
+
 import pytest
 
 from pjpdaf.errors import BenchError, NotComparable
@@ -7,6 +9,7 @@ from scenarios.play.job import System
 from scenarios.play.plan import PlanRequest, plan
 from scenarios.spec.corpus_case import corpus_suite, is_corpus_file, load_corpus_case
 from scenarios.spec.faults import FileFault
+from scenarios.spec.motion.plugged import TRUSTED_VARIABLE
 from scenarios.stress.case import Case
 from scenarios.stress.case_file import (
     case_of,
@@ -17,9 +20,10 @@ from scenarios.stress.case_file import (
     write_case,
 )
 from scenarios.stress.families import FAMILIES, find_family
-from scenarios.stress.replay import case_from_settings
+from scenarios.stress.replay import case_from_settings, promote
 from scenarios.stress.space import Space
 
+SCRIPT = str(Path(__file__).parents[3] / "examples" / "motion" / "drink_script.yaml")
 SYSTEM = System("default", "thesis", {}, {"gate": "4"})
 
 
@@ -39,6 +43,24 @@ def test_a_case_is_read_back_as_it_was(family, tmp_path):
     assert case_of(record).digest == record.digest
     assert system_of(record) == SYSTEM
     assert case_text(load_case(tmp_path / "c.yaml")) == (tmp_path / "c.yaml").read_text()
+
+
+def test_a_case_of_a_scenario_file_names_the_file_and_stays_out_of_the_corpus(tmp_path):
+    record = record_of(SCRIPT)
+    write_case(tmp_path / "c.yaml", record)
+    assert load_case(tmp_path / "c.yaml") == record
+    assert record.family == record.scenario == SCRIPT
+    (job,) = plan(PlanRequest(targets=(str(tmp_path / "c.yaml"),)))
+    assert (job.scenario.name, job.seed) == ("drink_script", 11)
+    with pytest.raises(BenchError, match="the corpus keeps cases of shipped scenarios"):
+        promote(tmp_path / "c.yaml", None, tmp_path, "open")
+
+
+def test_a_case_of_somebody_else_starts_no_code(tmp_path, monkeypatch):
+    monkeypatch.setenv(TRUSTED_VARIABLE, "")
+    path = changed(tmp_path, "family: cross\n", 'family: "antigravity:geohash"\n')
+    with pytest.raises(BenchError, match="a file alone does not start code"):
+        load_case(path)
 
 
 def test_run_plays_a_case_with_its_seed(tmp_path):
@@ -97,3 +119,19 @@ def test_a_case_of_values_is_nominal_but_for_them():
     assert case.values == {**nominal, "speed": 0.5, "frames": 20.0}
     with pytest.raises(BenchError, match="did you mean speed"):
         case_from_settings("cross", {"speeed": 1}, 0)
+
+
+def test_what_the_corpus_has_is_refused_before_it_is_played(tmp_path, monkeypatch):
+    def played(request):
+        raise AssertionError("rendering takes a minute")
+
+    monkeypatch.setattr("scenarios.stress.replay.replay", played)
+    corpus = tmp_path / "corpus"
+    corpus.mkdir()
+    write_case(corpus / "a_case.yaml", record_of())
+    write_case(tmp_path / "same.yaml", record_of())
+    with pytest.raises(BenchError, match=r"same.yaml: is in the corpus already: .*a_case.yaml"):
+        promote(tmp_path / "same.yaml", "new", corpus, "open")
+    write_case(tmp_path / "other.yaml", record_of(seed=12))
+    with pytest.raises(BenchError, match=r"a_case.yaml: exists and is another case; give a --name"):
+        promote(tmp_path / "other.yaml", None, corpus, "open")

@@ -65,7 +65,7 @@ def test_what_does_not_fail_is_promoted_as_fixed_only(tmp_path, monkeypatch):
     system = System("thesis", "thesis")
     write_case(Path("c.yaml"), corpus_case("c", case, system, "lost_left", -0.5, "open"))
     refused = in_this_process("stress", "promote", "c.yaml", "--corpus", "mine")
-    assert_one_line(refused, 2, "left lost does not fail with thesis when rendered")
+    assert_one_line(refused, 2, "left hand lost does not fail with thesis when rendered")
     done = in_this_process("stress", "promote", "c.yaml", "--corpus", "mine", "--fixed")
     assert done.returncode == 0, done.stderr
     assert load_case(Path("mine/c.yaml")).status == "fixed"
@@ -84,7 +84,7 @@ def test_what_does_not_fail_is_promoted_as_fixed_only(tmp_path, monkeypatch):
         (("nowhere.yaml", "replay"), "nowhere.yaml: no such file"),
         (("nowhere.yaml", "shrink"), "nowhere.yaml: no such file"),
         (("cross", "shrink"), "cross: is not a case file, such as `stress cross search` writes"),
-        (("nowhere.yaml", "search"), "nowhere.yaml: is a case; this verb takes families"),
+        (("nowhere.yaml", "search"), "nowhere.yaml: no such file"),
         (("promote", "nowhere.yaml"), "nowhere.yaml: no such file"),
         (("cross", "replay", "--set", "speeed=1"), "did you mean speed?"),
     ],

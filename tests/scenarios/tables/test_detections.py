@@ -77,7 +77,7 @@ def test_parquet_gives_what_csv_gives(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("frame,view,u_px\n", r":1: lacks the columns v_px; there are: frame, view, u_px"),
+        ("frame,view,u_px\n", r":1: lacks the column v_px; there are: frame, view, u_px"),
         (f"{HEADER}\n1,middle,1,2\n", r":2: view must be left or right \(or 0, 1\), got 'middle'"),
         (f"{HEADER}\n1,left,,2\n", r":2: u_px is empty; a detection needs a place"),
         (f"{HEADER}\n1,left,1,nan\n", r":2: v_px is nan"),

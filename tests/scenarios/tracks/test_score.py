@@ -337,7 +337,7 @@ def test_one_sequence_needs_no_column_sequence(tmp_path):
     assert tracks.status[2] == ("lost", "lost", "coasting")
     assert tracks.status[3][0] == "waiting"
     assert np.isnan(tracks.positions_m[3]).all()
-    with pytest.raises(BenchError, match="lacks the columns sequence"):
+    with pytest.raises(BenchError, match=r"lacks the column sequence; .* give FOLDER"):
         read_tracks(path, COUNTS)
 
 
@@ -346,7 +346,7 @@ def test_one_sequence_needs_no_column_sequence(tmp_path):
     [
         (lambda t: t.assign(x_m=np.where(t.index == 5, np.inf, t["x_m"])), ": row 6: x_m is inf"),
         (lambda t: t.assign(frame=t["frame"] + 1), "is not in the sequence"),
-        (lambda t: t.drop(columns="z_m"), "lacks the columns z_m"),
+        (lambda t: t.drop(columns="z_m"), "lacks the column z_m"),
         (lambda t: t.assign(x_m=[[1.0]] * len(t)), "column 'x_m' must be numbers or text"),
         (lambda t: t.assign(x_m=1e3 * t["x_m"] + 1e5), "metres are expected, not mm"),
     ],

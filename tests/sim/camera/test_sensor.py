@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from sim.camera.colour import GAMMA, balance_rgb, light_rgb
-from sim.camera.sensor import expose, light_gains, mean_light, rounded_gaussian
+from sim.camera.sensor import RANKS, expose, light_gains, mean_light, quantiles, rounded_gaussian
+from sim.randomness import generator
 from sim.specs import CalibrationError, ClockSpec, RigSpec, SensorSpec
 
 SILENT = {"noise_sd": 0.0}
@@ -26,6 +27,20 @@ def test_noise_is_addressed_by_seed_stream_and_frame():
         np.testing.assert_array_equal(plain, expose(picture, sensor, 1, "left", 0))
         for other in ((2, "left", 0), (1, "right", 0), (1, "left", 1), (1, "background/left", 0)):
             assert (plain != expose(picture, sensor, *other)).mean() > 0.5
+
+
+def test_noise_is_the_quantile_of_a_uniform_number():
+    """As numpy draws and adds it; of a size that is no multiple of the generator's words."""
+    picture = np.random.default_rng(0).integers(0, 256, (39, 51, 3), np.uint8)
+    picture[:4], picture[4:8] = 0, 255  # where it is clipped
+    ranks = generator(5, "noise/left", 3).integers(0, RANKS, picture.shape, dtype=np.uint16)
+    drawn = quantiles()[ranks]
+    for sensor in (SensorSpec(noise_sd=3.0), SensorSpec(noise_sd=2.0, shot_noise_sd=5.0)):
+        sd = np.sqrt(sensor.noise_sd**2 + sensor.shot_noise_sd**2 * picture / 128.0)
+        expected = np.clip(np.rint(picture + sd * drawn), 0, 255)
+        noisy = expose(picture, sensor, 5, "left", 3)
+        # Single precision rounds one of thousands to the other side of a half.
+        assert (noisy != expected).mean() < (1e-3 if sensor.shot_noise_sd else 1e-12)
 
 
 def test_without_any_effect_the_picture_is_the_same_and_a_copy():

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from pjpdaf.arrays import Floats
 from pjpdaf.targets import TARGETS
 from sim.dataset.check.exports.numbers import SequenceNumbers
 from sim.dataset.check.exports.run_lengths import run_lengths
@@ -17,11 +18,17 @@ from sim.dataset.check.fault import MISSING, Fault, FaultLog
 from sim.dataset.check.files import FileTree
 from sim.dataset.files.layout import picture_name
 from sim.dataset.files.reading import MAX_JSON_BYTES, read_json
+from sim.dataset.labels.instances import PERSON
+from sim.dataset.labels.records import BODY_SKELETON
 from sim.scene.world import CAMERAS
 
 FOLDER = "annotations"
-SHARE, STAMP_S, CENTROID_PX = 1e-6, 1e-9, 1e-6  # to which the numbers are written
-_COMPARED = ("image_id", "track_id", "bbox", "area", "segmentation", "visible_fraction")
+SHARE, STAMP_S, CENTROID_PX, KEYPOINT_PX = 1e-6, 1e-9, 1e-6, 6e-4  # to which they are written
+_SKELETON_OF = (*TARGETS, BODY_SKELETON)  # by track, from 1
+_COMPARED = (
+    *("image_id", "track_id", "bbox", "area", "segmentation"),
+    *("visible_fraction", "keypoints", "num_keypoints"),
+)
 
 Record = dict[str, Any]
 ImageKey = tuple[str, int]  # sequence, frame index
@@ -120,6 +127,8 @@ def _sequence_faults(
             for o, number in enumerate(numbers.object_ids)
             if numbers.objects_px[view, index, o]
         }
+        if PERSON in annotations or visible & set(range(1, PERSON)):
+            visible.add(PERSON)  # its clothes may show alone
         if set(annotations) != visible:
             text = f"{picture} has the tracks {sorted(annotations)}, the masks {sorted(visible)}"
             kinds.setdefault("annotations", []).append(text)
@@ -137,7 +146,14 @@ def _annotation_faults(
     """Kind and text of each fault of an annotation. number: its instance id."""
     area, centroid, box = run_lengths(annotation["segmentation"], numbers.size_px)
     t = number - 1
-    if t < len(TARGETS):
+    if number <= PERSON:
+        yield from _point_faults(annotation, numbers.points[_SKELETON_OF[t]][view, index])
+    if number == PERSON:  # no table has its pixels; those of head and hands are a part
+        pixels, expected = area, box
+        least = int(numbers.visible_px[view, index].sum())
+        if area < least:
+            yield "segmentation", f"has {area} pixels, head and hands have {least}"
+    elif t < len(TARGETS):
         pixels = int(numbers.visible_px[view, index, t])
         expected = numbers.boxes_px[view, index, t]
         if np.abs(centroid - numbers.centroids_px[view, index, t]).max() > CENTROID_PX:
@@ -158,3 +174,14 @@ def _annotation_faults(
     if not same or not np.array_equal(box, expected):
         text = " ".join(f"{v:g}" for v in expected)
         yield "bbox", f"is {annotation['bbox']}, it should be {text} (counted from 0)"
+
+
+def _point_faults(annotation: Record, points: Floats) -> Iterator[tuple[str, str]]:
+    """Compare keypoints with u, v, status (K, 3) of the tables; more keypoints are not labelled."""
+    stored = np.array(annotation["keypoints"], np.float64).reshape(-1, 3)
+    expected = np.zeros_like(stored)
+    expected[: len(points)] = points[: len(stored)]
+    if len(stored) < len(points) or np.abs(stored - expected).max() > KEYPOINT_PX:
+        yield "keypoints", "are not those of the tables"
+    if annotation["num_keypoints"] != np.count_nonzero(expected[:, 2]):
+        yield "num_keypoints", f"is {annotation['num_keypoints']}"

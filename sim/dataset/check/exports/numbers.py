@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
+from pjpdaf.targets import HEAD, TARGETS
 from sim.dataset.check.frame_tables import FrameTables
+from sim.dataset.labels.records import KEYPOINTS, NOT_LABELLED, SKELETONS
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
@@ -19,7 +22,8 @@ class SequenceNumbers:
 
     arrived (F, 2), stamps_s (F,), centres_m (F, T, 3); per view: visible_px, fractions
     (2, F, T), boxes_px (2, F, T, 4), centroids_px (2, F, T, 2), objects_px (2, F, O) of the
-    objects with these ids.
+    objects with these ids; points by skeleton, and of the head: u, v, status (2, F, K, 3), of
+    points outside the picture all 0.
     """
 
     name: str
@@ -34,6 +38,7 @@ class SequenceNumbers:
     boxes_px: Floats
     centroids_px: Floats
     objects_px: NDArray[np.int64]
+    points: Mapping[str, Floats]
 
 
 def numbers_of(sequence: StoredSequence, tables: list[FrameTables]) -> SequenceNumbers:
@@ -58,4 +63,30 @@ def numbers_of(sequence: StoredSequence, tables: list[FrameTables]) -> SequenceN
         boxes_px=np.array([[truth.boxes_px for truth in view] for view in views]),
         centroids_px=np.array([[truth.centroids_px for truth in view] for view in views]),
         objects_px=np.array(objects, np.int64).reshape(len(CAMERAS), len(tables), len(ids)),
+        points=_points(tables),
     )
+
+
+def _points(tables: list[FrameTables]) -> dict[str, Floats]:
+    """`SequenceNumbers.points`."""
+    views = range(len(CAMERAS))
+    keypoints = _triples(
+        np.array([[frame.keypoints_px[v] for frame in tables] for v in views]),
+        np.array([[frame.keypoint_status[v] for frame in tables] for v in views]),
+    )
+    skeletons = _triples(
+        np.array([[frame.skeleton_px[v] for frame in tables] for v in views]),
+        np.array([[frame.skeleton_status[v] for frame in tables] for v in views]),
+    )
+    points = {TARGETS[HEAD]: keypoints[:, :, [t == HEAD for t, _ in KEYPOINTS]]}
+    first = 0
+    for name, named in SKELETONS.items():
+        points[name] = skeletons[:, :, first : first + len(named)]
+        first += len(named)
+    return points
+
+
+def _triples(pixels: Floats, status: NDArray[np.int64]) -> Floats:
+    triples = np.concatenate([pixels, status[..., None]], axis=-1)
+    triples[status == NOT_LABELLED] = 0
+    return np.asarray(triples)

@@ -25,7 +25,8 @@ class ViewArrays:
     """Arrays of one view, None where a file is not wanted, missing or damaged.
 
     picture, clean (h, w, 3) uint8; depth_m (h, w) float32, NaN for nothing; seg (h, w) uint8;
-    amodal (h, w) uint8, a bit per target; rectified, matches: `Matches`; floats: of the NPZ file.
+    amodal (h, w) uint8, a bit per target; rectified, matches: `Matches`; classes (h, w) uint8;
+    normals (h, w, 3) float32, NaN for nothing; forward, backward: flow; floats: of the NPZ file.
     """
 
     picture: Image | None
@@ -35,6 +36,10 @@ class ViewArrays:
     amodal: NDArray[np.uint8] | None
     rectified: Matches | None
     matches: Matches | None
+    classes: NDArray[np.uint8] | None
+    normals: NDArray[np.float32] | None
+    forward: Matches | None
+    backward: Matches | None
     floats: dict[str, NDArray[np.float32]] | None
 
 
@@ -84,6 +89,12 @@ def read_arrays(
             rectified=read("disparity", pair, lambda: sequence.rectified(v, index)),
             matches=read(
                 "correspondence", (f"correspondence_{c}",), lambda: sequence.matches(v, index)
+            ),
+            classes=read("semantic", (f"semantic_{c}",), lambda: sequence.classes(v, index)),
+            normals=read("normals", (f"normals_{c}",), lambda: sequence.normals(v, index)),
+            forward=read("flow", (f"flow_forward_{c}",), lambda: sequence.flow(v, index)),
+            backward=read(
+                "flow", (f"flow_backward_{c}",), lambda: sequence.flow(v, index, "backward")
             ),
             floats=read("float", (f"float_{c}",), lambda: sequence.floats(v, index)),
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -15,8 +15,11 @@ from sim.dataset.check.frame.correspondence import check_correspondence
 from sim.dataset.check.frame.depth import changed_views, check_targets, check_validity
 from sim.dataset.check.frame.disparity import check_occlusion, disparity_fault, wrong_share
 from sim.dataset.check.frame.float_twins import check_depth_twin, check_match_twins
+from sim.dataset.check.frame.flow import check_flow
 from sim.dataset.check.frame.masks import MaskView, check_amodal, check_seg
+from sim.dataset.check.frame.normals import check_normals
 from sim.dataset.check.frame.pixel_rays import RigRays
+from sim.dataset.check.frame.semantics import check_classes
 from sim.dataset.check.frame.view import FrameView
 from sim.dataset.check.frame.view_order import (
     check_lone_view,
@@ -54,6 +57,9 @@ class FrameChecks:
         self._reference: FrameArrays | None = None  # the first whose depth has no fault
         self._static_matches: Correspondences | None = None  # of table and room
         self._lone: list[tuple[int, FrameArrays]] = []
+        self._classes: FrameArrays | None = None  # the first whose classes have no fault
+        self._before: FrameArrays | None = None  # the frame before, if its depth has no fault
+        self._normals: dict[int, FrameView] = {}  # by view, the last whose normals have no fault
 
     def check(self, index: int) -> None:
         """Check a frame."""
@@ -67,8 +73,14 @@ class FrameChecks:
                 log.add("depth", check_validity(frame, view))
             if frame.views[view].rectified is not None:
                 log.add("occlusion", check_occlusion(frame, view))
+        self._check_classes(frame, trusted)
+        before, self._before = self._before, None
         if self._rays is not None and all(trusted):
+            faults = len(log.faults)
             self._check_pair(frame, tables, self._rays)
+            if len(log.faults) == faults:
+                self._check_surfaces(frame, before, self._rays)
+                self._before = frame
         named = {fault.file for fault in log.faults[start:]}
         for view in VIEWS:
             # The twin of a faulty file need not be named.
@@ -122,6 +134,37 @@ class FrameChecks:
         if not log.add("depth", faults):
             self._reference = self._reference or frame
             self._check_pictures(views[0], closings[0].matches)
+
+    def _check_classes(self, frame: FrameArrays, trusted: Sequence[bool]) -> None:
+        faulty = False
+        there = [v for v in VIEWS if trusted[v] and frame.views[v].classes is not None]
+        for view in there:
+            faulty |= self._log.add("semantic", check_classes(frame, view, self._classes))
+        if len(there) == len(VIEWS) and not faulty:
+            self._classes = self._classes or frame
+
+    def _check_surfaces(
+        self, frame: FrameArrays, before: FrameArrays | None, rays: RigRays
+    ) -> None:
+        """Check normals, and the flow from the frame before and back to it."""
+        for view in VIEWS:
+            own = FrameView(frame, view, rays)
+            last = None if before is None else FrameView(before, view, rays)
+            if own.own.normals is not None:
+                faults = check_normals(own, self._normals.get(view))
+                if not self._log.add("normals", faults):
+                    self._normals[view] = own
+            if last is None or before is None:
+                continue
+            if last.own.forward is not None:
+                tables = self._pair(before.index, frame.index)
+                self._log.add("flow", check_flow(last, own, tables, "flow_forward"))
+            if own.own.backward is not None:
+                tables = self._pair(frame.index, before.index)
+                self._log.add("flow", check_flow(own, last, tables, "flow_backward"))
+
+    def _pair(self, one: int, other: int) -> tuple[FrameTables, FrameTables] | None:
+        return None if self._tables is None else (self._tables[one], self._tables[other])
 
     def _check_pictures(self, left: FrameView, matches: Correspondences) -> None:
         frame = left.frame

@@ -15,6 +15,7 @@ from pjpdaf.targets import TARGETS
 from sim.dataset.check.fault import Fault, FrameFault
 from sim.dataset.check.frame.arrays import FrameArrays, present
 from sim.dataset.check.frame.mask_geometry import measured, merged
+from sim.dataset.check.frame.skeleton_status import skeleton_faults
 from sim.dataset.check.frame_tables import FrameTables
 from sim.dataset.files.layout import OBJECTS, TRUTH
 from sim.dataset.frame_rows import FrameRow
@@ -47,7 +48,7 @@ class MaskView:
 
 
 def check_seg(masks: MaskView) -> Iterator[Fault | FrameFault]:
-    """Check the ids, and the pixels, centroids, boxes, merges and keypoints that they show."""
+    """Check the ids, and pixels, centroids, boxes, merges, keypoints and joints that they show."""
     seg, tables, view, camera = _seg(masks), masks.tables, masks.view, masks.camera
     file = masks.frame.file("seg", view)
     counts = np.bincount(seg.ravel(), minlength=256)
@@ -87,6 +88,7 @@ def check_seg(masks: MaskView) -> Iterator[Fault | FrameFault]:
             yield FrameFault(f"{masks.frame.sequence}/{OBJECTS}", kind, masks.frame.index, text)
     yield from _merge_faults(masks)
     yield from _keypoint_faults(masks)
+    yield from skeleton_faults(masks.frame, masks.view, masks.tables)
 
 
 def check_amodal(masks: MaskView) -> Iterator[Fault | FrameFault]:

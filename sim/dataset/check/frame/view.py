@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.dataset.check.frame.arrays import FrameArrays, ViewArrays
+from sim.dataset.check.frame.arrays import FrameArrays, ViewArrays, present
 from sim.dataset.check.frame.pixel_rays import PixelRays, RigRays
+from sim.dataset.files.layout import DEPTH_UNIT_M
 from sim.dataset.labels.instances import ROOM, TABLE
 
 STATIC = (TABLE, ROOM)  # in the same place at both moments of a rig with shutter skew
@@ -60,3 +61,15 @@ class FrameView:
 def is_static(ids: NDArray[np.generic]) -> NDArray[np.bool_]:
     """Which instance ids are of table and room, which never move."""
     return np.isin(ids, STATIC)
+
+
+def still_pixels(own: ViewArrays, other: ViewArrays) -> NDArray[np.bool_]:
+    """Pixels (h, w) at which two frames of a view show the same spot of table or room.
+
+    By their ids, and their depth where both have it.
+    """
+    seg = present(own.seg)
+    still = is_static(seg) & (seg == present(other.seg))
+    if own.depth_m is not None and other.depth_m is not None:
+        still &= np.abs(own.depth_m - other.depth_m) <= DEPTH_UNIT_M / 2
+    return np.asarray(still)

@@ -10,6 +10,7 @@ from scenarios.stress.case import Case, TrialResult
 from scenarios.stress.confirm import MOST_RUNS, choose
 from scenarios.stress.families import find_family
 from scenarios.stress.search.design import corners, sobol
+from scenarios.stress.search.distinct import DistinctFailure, Signature
 from scenarios.stress.search.evaluation import Evaluation
 from scenarios.stress.search.search import SearchPlan, search_family
 from scenarios.stress.space import Space
@@ -132,6 +133,17 @@ def test_a_failure_that_the_budget_leaves_unexplained_says_so():
     assert failure.words.endswith("(budget spent: perhaps less)")
     (failure,) = search(replace(plan, budget=60), fails).failures
     assert failure.words == "speed high"
+
+
+@pytest.mark.parametrize(
+    ("count", "words"), [(4, "p0 low, p1 low, p2 low, p3 low"), (5, "any of 5")]
+)
+def test_few_candidates_are_named_and_many_counted(count, words):
+    case = Case("cross", CROSS.nominal(), 1)
+    signature = Signature("cross", "swap", tuple((f"p{i}", "low") for i in range(count)))
+    unsure = DistinctFailure(signature, of_robustness(case, -1.0, 0.1), case, narrowed=False)
+    assert unsure.words == f"{words} (budget spent: perhaps less)"
+    assert replace(unsure, narrowed=True).words == signature.words
 
 
 def test_known_cases_come_first():

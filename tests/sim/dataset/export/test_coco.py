@@ -17,10 +17,12 @@ from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from sim.dataset.export.coco import export
 from sim.dataset.export.coco_ids import FIRST_OBJECT_CATEGORY, OBJECT_KINDS
+from sim.dataset.labels.instances import PERSON
 from sim.scene.objects import KINDS
 from sim.scene.world import CAMERAS
 
 HANDS = [2, 3]
+ORDER = ("person", "right_hand", "left_hand")  # of the rows of a frame
 # pycocotools' own, with numpy 2.
 pytestmark = pytest.mark.filterwarnings(
     "ignore:__array__ implementation doesn't accept a copy keyword:DeprecationWarning"
@@ -58,11 +60,15 @@ def test_every_visible_thing_is_there_with_its_mask_bit_for_bit(dataset, coco, v
         seg = sequence.seg(view, image["frame_index"])
         things = [one.id for one in sequence.instances if one.kind in ("target", "object")]
         said = coco.imgToAnns[number]
-        assert sorted(one["track_id"] for one in said) == sorted(set(things) & set(np.unique(seg)))
+        shown = {*(set(things) & set(np.unique(seg))), PERSON}
+        assert sorted(one["track_id"] for one in said) == sorted(shown)
         for one in said:
-            np.testing.assert_array_equal(coco.annToMask(one), seg == one["track_id"])
+            own = seg == one["track_id"]
+            if one["track_id"] == PERSON:  # whole: with head and hands
+                own = np.isin(seg, [1, 2, 3, 4])
+            np.testing.assert_array_equal(coco.annToMask(one), own)
         found += len(said)
-    assert found == len(coco.anns) > 3 * 15 - 5
+    assert found == len(coco.anns) > 4 * 15 - 5
 
 
 def test_boxes_are_those_of_the_truth_and_of_pycocotools(dataset, coco, view):
@@ -104,30 +110,55 @@ def test_images_lead_to_the_pictures(dataset, coco, view):
 
 def test_keypoints_are_as_coco_has_them(dataset, coco, view):
     for one in coco.anns.values():
-        if one["track_id"] > len(TARGETS):
+        if one["track_id"] > PERSON:
             assert "keypoints" not in one
             continue
         image = coco.imgs[one["image_id"]]
-        truth = sequence_of(dataset, image).truth
-        row = truth.iloc[3 * image["frame_index"] + one["track_id"] - 1]
+        sequence, index = sequence_of(dataset, image), image["frame_index"]
         triples = np.reshape(one["keypoints"], (-1, 3))
         category = coco.cats[one["category_id"]]
         assert len(triples) == len(category["keypoints"]) == len(one["keypoints_3d_m"])
         camera = CAMERAS[view]
-        np.testing.assert_array_equal(triples[:, 2], row[f"keypoint_status_{camera}"])
+        if category["name"] == "head":
+            row = sequence.truth.iloc[3 * index]
+            columns = f"keypoint_status_{camera}", f"keypoints_{camera}_px", "keypoints_m"
+        else:
+            row = sequence.skeletons.iloc[3 * index + ORDER.index(category["name"])]
+            assert (row["frame_index"], row["skeleton"]) == (index, category["name"])
+            columns = f"point_status_{camera}", f"points_{camera}_px", "points_m"
+        status, pixels, places = (list(row[column]) for column in columns)
+        assert not triples[len(status) :].any()  # knees and ankles
+        triples = triples[: len(status)]
+        np.testing.assert_array_equal(triples[:, 2], status)
         known = triples[:, 2] > 0
         assert one["num_keypoints"] == known.sum()
         assert not triples[~known].any()
-        wanted = np.array([list(p) for p in row[f"keypoints_{camera}_px"]], float)
+        wanted = np.array([list(p) for p in pixels], float)
         np.testing.assert_allclose(triples[known, :2], wanted[known], atol=6e-4)
-        places = np.array([list(p) for p in row["keypoints_m"]])
-        np.testing.assert_allclose(one["keypoints_3d_m"], places, atol=6e-7)
+        named = one["keypoints_3d_m"][: len(places)]
+        np.testing.assert_allclose(named, np.array([list(p) for p in places]), atol=6e-7)
 
 
-def scores(coco, kind, moved_px=0.0):
+def test_categories_have_the_skeletons_of_the_field(coco):
+    """COCO's own person: 17 keypoints in its order, 19 bones; a hand: 21 joints, 20 bones."""
+    person = coco.cats[PERSON]
+    assert (person["name"], len(person["keypoints"]), len(person["skeleton"])) == ("person", 17, 19)
+    assert person["keypoints"][:3] == ["nose", "left_eye", "right_eye"]
+    assert person["keypoints"][15:] == ["left_ankle", "right_ankle"]
+    for number in HANDS:
+        hand = coco.cats[number]
+        assert (len(hand["keypoints"]), len(hand["skeleton"])) == (21, 20)
+        names = hand["keypoints"]
+        for a, b in hand["skeleton"]:  # along one finger, from the wrist
+            start, end = names[a - 1], names[b - 1]
+            assert start == "wrist" or start.partition("_")[0] == end.partition("_")[0]
+        assert sorted(b for _, b in hand["skeleton"]) == list(range(2, 22))
+
+
+def scores(coco, kind, moved_px=0.0, cats=HANDS):
     """AP of the ground truth, its boxes, masks or keypoints moved, against itself."""
     fields = {"bbox": "bbox", "segm": "segmentation", "keypoints": "keypoints"}
-    chosen = [a for a in coco.anns.values() if kind != "keypoints" or a["category_id"] in HANDS]
+    chosen = [a for a in coco.anns.values() if kind != "keypoints" or a["category_id"] in cats]
     results = []
     for one in chosen:
         value = one[fields[kind]]
@@ -142,8 +173,9 @@ def scores(coco, kind, moved_px=0.0):
         results.append({**said, fields[kind]: value, "score": 1.0})
     judge = COCOeval(coco, coco.loadRes(results), kind)
     if kind == "keypoints":
-        judge.params.kpt_oks_sigmas = np.full(7, 0.05)
-        judge.params.catIds = HANDS
+        if cats == HANDS:  # else COCO's own 17
+            judge.params.kpt_oks_sigmas = np.full(21, 0.05)
+        judge.params.catIds = cats
     judge.evaluate()
     judge.accumulate()
     judge.summarize()
@@ -154,6 +186,11 @@ def scores(coco, kind, moved_px=0.0):
 def test_the_ground_truth_against_itself_scores_one(coco, kind):
     assert scores(coco, kind) == pytest.approx(1.0, abs=1e-12)
     assert scores(coco, kind, moved_px=15.0) < 0.9
+
+
+def test_the_person_scores_with_cocos_own_sigmas(coco):
+    assert scores(coco, "keypoints", cats=[PERSON]) == pytest.approx(1.0, abs=1e-12)
+    assert scores(coco, "keypoints", moved_px=15.0, cats=[PERSON]) < 0.9
 
 
 def test_ids_are_unique_over_both_files_and_pairs_are_of_one_frame(files):
@@ -226,7 +263,7 @@ def test_what_a_picture_does_not_show(dataset_copy, tmp_path):
     assert len(shown[0]) == len(shown[1]) - 1
     image = shown[0]["seq_000000/left/000002.png"]
     seen = {one["track_id"]: one for one in left.imgToAnns[image["id"]]}
-    assert sorted(seen) == [1, 3]
+    assert sorted(seen) == [1, 3, PERSON]
     assert seen[1]["keypoints"] == [0, 0, 0, 7.0, 8.0, 1]
     assert seen[1]["num_keypoints"] == 1
     (hand,) = image["hidden_targets"]

@@ -109,6 +109,23 @@ def test_labels_are_those_of_the_truth(dataset, rows):
             np.testing.assert_array_equal(occluded, view.amodal_px - view.visible_px)
 
 
+def test_joints_are_those_of_the_skeletons(dataset, rows):
+    for row, (sequence, truth) in zip(rows, frames(dataset), strict=True):
+        table = sequence.skeletons
+        body, right, left = (table.iloc[3 * truth.index + k] for k in range(3))
+        assert np.shape(row["hand_joints_m"]) == (42, 3)
+        hands = np.array([list(p) for hand in (right, left) for p in hand["points_m"]])
+        np.testing.assert_array_equal(row["hand_joints_m"], hands)
+        angles = np.array([list(f) for hand in (right, left) for f in hand["finger_angles_rad"]])
+        np.testing.assert_array_equal(row["finger_angles_rad"], angles)
+        np.testing.assert_array_equal(row["body_points_m"], np.stack(body["points_m"]))
+        for camera in CAMERAS:
+            status = [*right[f"point_status_{camera}"], *left[f"point_status_{camera}"]]
+            assert row[f"hand_joint_status_{camera}"] == status
+            assert len(row[f"hand_joints_{camera}_px"]) == 42
+            assert row[f"body_point_status_{camera}"] == list(body[f"point_status_{camera}"])
+
+
 def test_objects_and_cameras_are_those_of_the_sequence(dataset, rows):
     for row, (sequence, truth) in zip(rows, frames(dataset), strict=True):
         table = sequence.objects

@@ -15,6 +15,7 @@ from pjpdaf.targets import TARGETS
 from sim.dataset.export.webdataset import exporter
 from sim.dataset.files.cameras import camera_of
 from sim.dataset.files.layout import LABELS
+from sim.dataset.labels.records import SKELETONS
 from sim.scene.world import CAMERAS
 
 
@@ -65,7 +66,10 @@ def test_members_are_the_files_of_the_data_set(dataset, read):
     folders = (*CAMERAS, *(folder for folders in LABELS.values() for folder in folders))
     suffix = {folder: ".npz" if folder.startswith("float") else ".png" for folder in folders}
     members = {key for key in sample if not key.startswith("__")}
-    assert members == {folder + suffix[folder] for folder in folders} | {"json"}
+    wanted = {folder + suffix[folder] for folder in folders} | {"json"}
+    assert members == wanted
+    assert wanted - set(read[6]) == {f"flow_backward_{c}.png" for c in CAMERAS}  # the first frame
+    assert wanted - set(read[9]) == {f"flow_forward_{c}.png" for c in CAMERAS}  # the last
     sequence = dataset.sequences[1]
     for folder in folders:
         if suffix[folder] == ".png":
@@ -86,6 +90,11 @@ def test_the_json_has_truth_and_cameras_to_the_last_bit(dataset, read):
             assert said["time_s"] == truth.time_s
             assert said["fps"] == sequence.fps
             assert [row["target"] for row in said["targets"]] == list(TARGETS)
+            assert [row["skeleton"] for row in said["skeletons"]] == list(SKELETONS)
+            joints = np.array(
+                [list(p) for p in sequence.skeletons.iloc[3 * truth.index]["points_m"]]
+            )
+            np.testing.assert_array_equal(said["skeletons"][0]["points_m"], joints)
             centres = [[row[f"{axis}_m"] for axis in "xyz"] for row in said["targets"]]
             np.testing.assert_array_equal(centres, truth.centres_m)
             rigs = {"cameras": sequence.rig, "calibration": sequence.calibration}

@@ -11,8 +11,9 @@ from sim.anatomy import Anatomy
 from sim.camera.rays import cast
 from sim.camera.render import StereoRenderer
 from sim.dataset.labels.instances import instances_of
-from sim.dataset.labels.keypoints import MARGIN, Keypoints
+from sim.dataset.labels.keypoints import Keypoints
 from sim.dataset.labels.records import KEYPOINTS, NOT_LABELLED, OCCLUDED, VISIBLE
+from sim.dataset.labels.visibility import MARGIN
 from sim.person.geoms import SKIN
 from sim.person.hand import FINGERS, fingers
 from sim.person.rest import rest_pose

@@ -17,7 +17,10 @@ def test_coco_boxes_that_count_from_1_are_named(copy):
     assert all(fault.text.startswith("bbox") for fault in faults)
 
 
-@pytest.mark.parametrize("kind", ["area", "segmentation", "visible_fraction", "lost"])
+@pytest.mark.parametrize(
+    "kind",
+    ["area", "segmentation", "visible_fraction", "num_keypoints", "keypoints", "person", "lost"],
+)
 def test_damaged_coco_annotations_are_named(copy, kind):
     path = copy / "annotations" / "instances_left.json"
 
@@ -27,6 +30,11 @@ def test_damaged_coco_annotations_are_named(copy, kind):
             del record["annotations"][0]
         elif kind == "segmentation":
             first[kind], second[kind] = second[kind], first[kind]
+        elif kind == "keypoints":
+            second[kind][3] += 0.01
+        elif kind == "person":
+            person = next(one for one in record["annotations"] if one["track_id"] == 4)
+            person["keypoints"][-1] = 1
         else:
             first[kind] += 1
 

@@ -6,7 +6,13 @@ import pytest
 from damaged_dataset import SEQ, exchange, faults_of, files
 
 
-@pytest.mark.parametrize("kind", ["depth", "seg", "amodal", "disparity", "correspondence", "float"])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        *("depth", "seg", "amodal", "disparity", "correspondence", "float"),
+        *("semantic", "normals"),
+    ],
+)
 def test_exchanged_labels_are_named(copy, kind):
     exchange(copy / SEQ / f"{kind}_left", copy / SEQ / f"{kind}_right")
     suffix = "npz" if kind == "float" else "png"
@@ -15,7 +21,7 @@ def test_exchanged_labels_are_named(copy, kind):
         assert any(f"/{kind}_" in file and file.endswith(f"{frame:06d}.{suffix}") for file in named)
 
 
-@pytest.mark.parametrize("kind", ["depth", "amodal", "disparity"])
+@pytest.mark.parametrize("kind", ["depth", "amodal", "disparity", "semantic", "normals"])
 def test_a_label_of_another_frame_is_named(copy, kind):
     folder = copy / SEQ / f"{kind}_right"
     shutil.copy(folder / "000001.png", folder / "000005.png")

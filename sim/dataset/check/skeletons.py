@@ -1,0 +1,116 @@
+"""skeletons.parquet against itself and truth.parquet: rigid bones, joint angles, shared points."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from pjpdaf.arrays import Floats
+from pjpdaf.targets import HANDS, TARGETS
+from sim.dataset.check.fault import FrameFault
+from sim.dataset.check.frame_tables import FrameTables
+from sim.dataset.files.layout import SKELETON
+from sim.dataset.labels.records import (
+    BODY_POINTS,
+    BODY_SKELETON,
+    HAND_JOINTS,
+    HAND_SKELETONS,
+    KEYPOINTS,
+)
+
+SAME_M, SAME_RAD = 1e-7, 1e-5  # of numbers with all their digits; an arc cosine near 0 has half
+_FIRST = {
+    BODY_SKELETON: 0,
+    **{h: len(BODY_POINTS) + i * len(HAND_JOINTS) for i, h in enumerate(HAND_SKELETONS)},
+}
+_HEAD_POINTS = [BODY_POINTS.index(f"{s}_{p}") for s in ("left", "right") for p in ("eye", "ear")]
+# Bones that are as long in every frame.
+_ARMS = [
+    (BODY_POINTS.index(f"{side}_{a}"), BODY_POINTS.index(f"{side}_{b}"))
+    for side in ("left", "right")
+    for a, b in (("shoulder", "elbow"), ("elbow", "wrist"))
+]
+
+
+def check_skeletons(name: str, tables: list[FrameTables]) -> Iterator[FrameFault]:
+    """Check the points of all frames against those of the first, and the angles against them."""
+    for i, frame in enumerate(tables):
+        for kind, off, least, unit in _differences(frame, tables[0]):
+            if not off <= least:
+                text = f"is off by {off:.3g} {unit}"
+                yield FrameFault(f"{name}/{SKELETON}", kind, i, text)
+
+
+def _differences(frame: FrameTables, first: FrameTables) -> Iterator[tuple[str, float, float, str]]:
+    """Kind, greatest difference, tolerance and unit of each comparison of a frame."""
+    places, before = frame.skeleton_m, first.skeleton_m
+    body = slice(0, len(BODY_POINTS))
+    arms = np.array(_ARMS)
+    yield (
+        "length of an arm's bone",
+        _worst(_lengths(places[body], arms) - _lengths(before[body], arms)),
+        SAME_M,
+        "m",
+    )
+    nose = [[0, k] for k in _HEAD_POINTS]
+    yield (
+        "shape of the face",
+        _worst(_lengths(places[body], np.array(nose)) - _lengths(before[body], np.array(nose))),
+        SAME_M,
+        "m",
+    )
+    for h, (target, hand) in enumerate(zip(HANDS, HAND_SKELETONS, strict=True)):
+        joints, start = (_joints(points, hand) for points in (places, before))
+        named = dict(zip(HAND_JOINTS, joints, strict=True))
+        shared = [k for k, (t, p) in enumerate(KEYPOINTS) if t == target and p in named]
+        own = np.array([named[KEYPOINTS[k][1]] for k in shared])
+        off_m = _worst(frame.keypoints_m[shared] - own)
+        yield f"wrist and tips of {hand} in truth.parquet", off_m, SAME_M, "m"
+        side = hand.partition("_")[0]
+        wrist = places[BODY_POINTS.index(f"{side}_wrist")]
+        yield f"{side}_wrist of {BODY_SKELETON}", _worst(wrist - joints[0]), SAME_M, "m"
+        bones, bones_before = _bones(joints), _bones(start)
+        off_m = _worst(np.linalg.norm(bones, axis=-1) - np.linalg.norm(bones_before, axis=-1))
+        yield f"length of a bone of {hand}", off_m, SAME_M, "m"
+        angles, angles_before = frame.finger_angles_rad[h], first.finger_angles_rad[h]
+        between = _angle(bones[:, :-1], bones[:, 1:])
+        off_rad = _worst(between - np.abs(angles[:, 1:]))
+        yield f"finger_angles_rad of {hand}, between bones", off_rad, SAME_RAD, "rad"
+        turned = [
+            _in_palm(f, TARGETS[target], b) for f, b in ((frame, bones), (first, bones_before))
+        ]
+        off_rad = _worst(_angle(turned[0], turned[1]) - np.abs(angles[:, 0] - angles_before[:, 0]))
+        yield f"finger_angles_rad of {hand}, in the palm", off_rad, SAME_RAD, "rad"
+
+
+def _joints(points: Floats, skeleton: str) -> Floats:
+    first = _FIRST[skeleton]
+    return points[first : first + len(HAND_JOINTS)]
+
+
+def _bones(joints: Floats) -> Floats:
+    """The three bones (5, 3, 3) of each finger, from joint to joint, world [m]."""
+    return np.diff(joints[1:].reshape(5, 4, 3), axis=1)
+
+
+def _in_palm(frame: FrameTables, target: str, bones: Floats) -> Floats:
+    """The first bones (5, 3) of the fingers in the hand's frame."""
+    row = frame.rows[TARGETS.index(target)]
+    turn = Rotation.from_quat([row[q] for q in ("qw", "qx", "qy", "qz")], scalar_first=True)
+    return np.asarray(turn.inv().apply(bones[:, 0]))
+
+
+def _angle(a: Floats, b: Floats) -> Floats:
+    """Angle (...,) between vectors (..., 3) [rad]."""
+    across = np.linalg.norm(np.cross(a, b), axis=-1)
+    return np.asarray(np.arctan2(across, (a * b).sum(axis=-1)))
+
+
+def _lengths(points: Floats, pairs: np.ndarray) -> Floats:
+    return np.asarray(np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1))
+
+
+def _worst(differences: Floats) -> float:
+    return float(np.abs(np.nan_to_num(differences, nan=np.inf)).max(initial=0.0))
