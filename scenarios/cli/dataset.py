@@ -115,7 +115,8 @@ def export(
     """Write a data set in other formats too, into its own folder; older ones are replaced.
 
     coco: annotations/, mot: mot/, webdataset: webdataset/ (tar files), parquet: parquet/ (with the
-    pictures in it, as Hugging Face's `datasets` reads it).
+    pictures in it, as Hugging Face's `datasets` reads it), yolo-pose: yolo-pose/ (hands),
+    yolo-seg: yolo-seg/ (masks), middlebury: middlebury/ (rectified pairs, disparity as PFM).
     """
     from scenarios.dataset.finish import export_dataset
     from sim.dataset.reader import open_dataset
@@ -173,7 +174,7 @@ def parse_formats(text: str | None, labels: Collection[str]) -> tuple[str, ...]:
     Raises BenchError for an unknown format, or a format whose label is missing.
     """
     from scenarios.spec.suggestion import suggestion
-    from sim.dataset.files.layout import EXPORTS
+    from sim.dataset.files.layout import EXPORTS, EXPORTS_NEED
 
     if text is None:
         return ("coco", "mot") if "seg" in labels else ("mot",)
@@ -184,6 +185,8 @@ def parse_formats(text: str | None, labels: Collection[str]) -> tuple[str, ...]:
         if name not in EXPORTS:
             hint = suggestion(name, (*EXPORTS, "none"))
             raise BenchError(f"--export {name[:40]}: no such format{hint}")
-    if "coco" in named and "seg" not in labels:
-        raise BenchError("--export coco: its masks are made of the label seg, which is left out")
+    for name in named:
+        label = EXPORTS_NEED.get(name)
+        if label is not None and label not in labels:
+            raise BenchError(f"--export {name}: is made of the label {label}, which is left out")
     return tuple(name for name in EXPORTS if name in named)

@@ -53,7 +53,11 @@ Lag = Annotated[
 RunOut = Annotated[Path | None, typer.Option(help="Folder of the saved run [runs/NAME-DATE-TIME].")]
 ExportFormats = Annotated[
     str | None,
-    typer.Option(metavar="A,B", help="Of coco, mot, webdataset, parquet; or none [coco,mot]."),
+    typer.Option(
+        metavar="A,B",
+        help="Of coco, mot, webdataset, parquet, yolo-pose, yolo-seg, middlebury; or none "
+        "[coco,mot].",
+    ),
 ]
 
 LeftView = Annotated[

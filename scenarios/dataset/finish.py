@@ -23,6 +23,7 @@ from sim.dataset.files.layout import CALIBRATION, CHECKSUMS, CONVENTIONS, PART
 from sim.dataset.files.manifest import SequenceEntry, manifest_record, write_manifest
 from sim.dataset.raytruth import RayFigures
 from sim.dataset.reader import Dataset, open_dataset
+from sim.dataset.splits import SPLITS, splits_record
 from sim.dataset.statistics import statistics_of
 from sim.files import disk_faults, part_folder, written_whole_file
 
@@ -61,12 +62,14 @@ def _texts(folder: Path) -> dict[str, bytes]:
 
 
 def write_top(dataset: Dataset, argv: Sequence[str], rays: RayFigures | None = None) -> None:
-    """Write conventions, common calibration, Croissant record and card.
+    """Write conventions, common calibration, splits, Croissant record and card.
 
     argv: the command that made the data set; rays: its comparison with rays. Raises BenchError.
     """
     write_text(dataset.folder / CONVENTIONS, json.dumps(conventions(), indent=1) + "\n")
     write_calibration(dataset)
+    record = splits_record(dataset.sequences)
+    write_text(dataset.folder / SPLITS, json.dumps(record, indent=1) + "\n")
     write_text(dataset.folder / CROISSANT, json.dumps(croissant_record(dataset), indent=1) + "\n")
     write_card(dataset, statistics_of(dataset), rays, command=argv)
 

@@ -13,7 +13,7 @@ from rich.filesize import decimal
 
 from pjpdaf.errors import BenchError, InfrastructureError
 from scenarios.execute.executor import Executor
-from scenarios.play.recipe import Recipe
+from scenarios.play.recipe import OWN_SIZE, Recipe
 from scenarios.spec.draw import setting_of
 from sim.dataset.writer import write_frames
 from sim.processes import Answer
@@ -30,6 +30,8 @@ FRAME_BYTES = 8_000  # rows of the tables, checksums
 SEQUENCE_BYTES = 40_000  # recipe, rig, calibration
 DATASET_BYTES = 160_000  # card with its pictures, Croissant record
 EXPORT_FRAME_BYTES = {"coco": 8_000, "mot": 1_500, "webdataset": 19_000, "parquet": 2_000}
+EXPORT_FRAME_BYTES |= {"yolo-pose": 2_000, "yolo-seg": 4_000, "middlebury": 500}
+PFM_BYTES = 2 * 4.05  # a pixel, of two files; the masks shrink
 EXPORT_S_PER_MB = 0.02  # of copying
 
 
@@ -80,7 +82,8 @@ def forecast(
     nearest = [trials[min(trials, key=lambda k: abs(k - i))] for i in range(len(recipes))]
     made = sum(_sequence_bytes(nearest[i], recipe) for i, recipe in missing.items())
     exported = sum(
-        recipe.job.frames * _export_bytes(nearest[i], exports) for i, recipe in enumerate(recipes)
+        recipe.job.frames * _export_bytes(nearest[i], recipe, exports)
+        for i, recipe in enumerate(recipes)
     )
     workers = min(jobs, len(missing))
     seconds = sum(
@@ -109,9 +112,17 @@ def _sequence_bytes(trial: Trial, recipe: Recipe) -> float:
     return frames + learnt * trial.pictures + SEQUENCE_BYTES
 
 
-def _export_bytes(trial: Trial, exports: Sequence[str]) -> float:
-    """Bytes of a frame in all exports: WebDataset repeats pictures and labels, Parquet pictures."""
-    repeated = {"webdataset": trial.pictures + trial.labels, "parquet": trial.pictures}
+def _export_bytes(trial: Trial, recipe: Recipe, exports: Sequence[str]) -> float:
+    """Bytes of a frame in all exports.
+
+    WebDataset repeats pictures and labels, Parquet and Middlebury pictures; YOLO links them.
+    """
+    width, height = recipe.settings.size_px or OWN_SIZE
+    repeated = {
+        "webdataset": trial.pictures + trial.labels,
+        "parquet": trial.pictures,
+        "middlebury": trial.pictures + PFM_BYTES * width * height,
+    }
     return sum(EXPORT_FRAME_BYTES[name] + repeated.get(name, 0.0) for name in exports)
 
 

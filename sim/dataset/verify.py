@@ -9,6 +9,7 @@ the depth, the exports with the sequences.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 from pjpdaf.errors import InfrastructureError
@@ -27,6 +28,9 @@ from sim.dataset.check.files import (
     read_checksums,
 )
 from sim.dataset.check.sequence import SequenceVerdict, check_sequence
+from sim.dataset.check.splits import check_splits
+from sim.dataset.files.reading import read_json
+from sim.dataset.splits import SPLITS
 from sim.dataset.stored_sequence import StoredSequence
 from sim.processes import Answer, Lost, WorkerPool
 
@@ -62,6 +66,11 @@ def verify(
         numbers[name] = verdict.numbers
         on_sequence(name)
     check_exports(tree, numbers, log)
+    if SPLITS in tree.plain:
+        record = log.read(partial(read_json, root / SPLITS))
+        sequences = [StoredSequence(root / name, contents.entries[name]) for name in contents.names]
+        if record is not None:
+            log.add("splits", check_splits(record, sequences))
     return sorted(set(log.all()))
 
 

@@ -24,6 +24,13 @@ OBJECT_KINDS = (
     "balloon",
     "picture",
     "chair",
+    "bottle",
+    "plant",
+    "laptop",
+    "monitor",
+    "desk_lamp",
+    "papers",
+    "bystander",
 )
 FIRST_OBJECT_CATEGORY = 10
 # Frames of a sequence at most, and ids of instances, of which ids are made: so a sequence has the

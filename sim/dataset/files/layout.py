@@ -44,7 +44,12 @@ LABELS: dict[str, tuple[str, ...]] = {
 DEFAULT_LABELS = ("depth", "seg", "amodal", "disparity")
 # Small enough for many frames: nothing of 32 bits, nothing that others say.
 TRAINING_LABELS = ("depth", "seg", "disparity", "semantic")
-EXPORTS = ("coco", "mot", "webdataset", "parquet")  # other formats, beside the sequences
+EXPORTS = (  # other formats, beside the sequences
+    *("coco", "mot", "webdataset", "parquet"),
+    *("yolo-pose", "yolo-seg", "middlebury"),
+)
+# The label without which a format cannot be made.
+EXPORTS_NEED = {"coco": "seg", "yolo-seg": "seg", "middlebury": "disparity"}
 
 DEPTH_UNIT_M = 1e-4
 DISPARITY_SCALE = 256.0

@@ -87,3 +87,25 @@ def test_a_failure_of_chance_is_not_shrunk():
     assert result.survival.failed < 6
     assert result.runs == 8
     assert result.differences == {}
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_what_luck_let_go_is_put_back(seed):
+    """A tracker that fails half of the time for one parameter, and nearly always with another."""
+
+    def evaluate(cases):
+        return [one(case) for case in cases]
+
+    def one(case):
+        share = 0.98 if case.values["hold"] > SPACE.nominal()["hold"] else 0.6
+        bad = case.values["speed"] > 0.59 and np.random.default_rng(case.seed).random() < share
+        robustness = Robustness(
+            -1.0 if bad else 1.0, 1.0, 1.0, (1.0,) * 3, (0.1, 1.0, 1.0), (20 if bad else -1,) * 6
+        )
+        return Evaluation(case, TrialResult(str(case), robustness, (), case.frames, 3.0))
+
+    case = Case("cross", {**SPACE.nominal(), "speed": 0.6, "hold": 3.0}, 5)
+    result = shrink(SPACE, case, "swap", evaluate, fresh=200, seed=seed)
+    assert result.runs <= MOST_RUNS
+    assert set(result.needed) == {"speed", "hold"}
+    assert result.minimal_survival.failed >= 180

@@ -24,6 +24,9 @@ STEP, REACH_PX = 3, 2
 MOST_MEDIAN_DEG = {"room": 2.0, "person": 6.0}
 WIDE_DEG, LEAST_NEAR = 45.0, {"room": 0.93, "person": 0.90}
 JUMP = 0.02  # of the depth, between neighbours
+# Of the still room: through a lens, a pixel beside the person is the mean of fewer drawn pixels, so
+# that a few at edges of boxes change.
+CHANGED, MOST_CHANGED = 0.1, 0.002
 
 
 def check_normals(view: FrameView, before: FrameView | None) -> Iterator[Fault]:
@@ -54,9 +57,10 @@ def check_normals(view: FrameView, before: FrameView | None) -> Iterator[Fault]:
             yield Fault(file, f"is not of the surfaces of {view.file('depth')}: {part} {text}")
             return
     if before is not None and before.own.normals is not None:
-        off = np.abs(normals - before.own.normals).max(axis=-1) > 0
-        changed = int(np.count_nonzero(off & still_pixels(own, before.own)))
-        if changed:
+        still = still_pixels(own, before.own)
+        off = np.abs(normals - before.own.normals).max(axis=-1) > CHANGED
+        changed = int(np.count_nonzero(off & still))
+        if changed > MOST_CHANGED * np.count_nonzero(still):
             text = f"has other normals at {changed} pixels of the still room than"
             yield Fault(file, f"{text} {before.file('normals')}")
 
