@@ -49,15 +49,15 @@ DETECTOR = tuple(
 # A hand that costs this much is never chosen.
 NEVER = "1e6"
 OFFSETS = {"hand_offset_m": "0,0,0", "head_offset_m": "0,0,0"}
-ENDS = {"ends": "false"}
+ENDS, BESIDE = {"ends": "false"}, {"beside_head": "false"}
 HALVES, FACE = {"halves": "false"}, {"face": NEVER}
 SLEEVES, HYPOTHESES = {"sleeve_weight": "0"}, {"hypotheses": "1"}
 TRACKER = (
-    Part("pieces beside the head", {"beside_head": "false"}),
+    Part("pieces beside the head", BESIDE),
     Part("a head in pieces joined", {"join_head": "false"}),
     Part("halves", HALVES),
     Part("halves drawn together", {"draw_together": "0"}, HALVES),
-    Part("outlines of parts", {"contours": "false"}, HALVES),
+    Part("outlines of pieces beside the head", {"contours": "false"}, BESIDE),
     Part("moments of the two views", {"learn_skew": "false"}),
     Part("hands cut by the edge", {"cut_hands": "false"}),
     Part("what one view hides", {"hidden_share": "0"}),

@@ -24,8 +24,8 @@ class Candidates:
     """Candidates of one view.
 
     centres_px (c, 2); areas_px (c,); blob (c,) and part (c,), WHOLE .. OTHER_END; palm_px (c, 2)
-    from the centre to the middle of the palm, 0 for parts; pixels (k, 2) of parts that have an
-    outline of their own, else None.
+    from the centre to the middle of the palm, 0 for parts; pixels (k, 2) of pieces beside the
+    head, whose outline is their own, else None.
     """
 
     centres_px: Floats
@@ -130,8 +130,7 @@ def _halves(
     two = halves(pixels, float(np.clip(APART - p.draw_together * hidden, *KEPT)))
     if two is not None:
         for k in range(2):
-            share = len(two[1][k]) / len(pixels)
-            yield Candidate(two[0][k], area_px * share, HALF + k)
+            yield Candidate(two[0][k], area_px * float(two[1][k]), HALF + k)
 
 
 def _beside(

@@ -94,7 +94,7 @@ class CostParameters:
     area_memory: NotNegative = 0.1
     # Hands that the picture's edge cuts in one view have their depth from the side that is left.
     cut_hands: bool = True
-    # Parts of a blob have their depth from the outlines that are their own.
+    # Pieces beside the head have their depth from the outlines that are their own.
     contours: bool = True
     # A blob like a hand that is nobody's.
     unexplained: NotNegative = 6.0

@@ -10,8 +10,8 @@ from pjpdaf.arrays import Floats
 ROUNDS = 6  # of 2-means; it has long converged
 
 
-def halves(pixels: Floats, together: float) -> tuple[Floats, tuple[Floats, Floats]] | None:
-    """Centres (2, 2) [px] of the two clusters of a blob's pixels (n, 2), and their pixels.
+def halves(pixels: Floats, together: float) -> tuple[Floats, Floats] | None:
+    """Centres (2, 2) [px] of the two clusters of a blob's pixels (n, 2), and their shares (2,).
 
     2-means from the ends of the major axis; then both are drawn towards their middle, `together` of
     their distance remains. None for fewer than 8 pixels.
@@ -32,7 +32,8 @@ def halves(pixels: Floats, together: float) -> tuple[Floats, tuple[Floats, Float
         second = now
     centres = np.array([a, b])
     middle = centres.mean(axis=0)
-    return middle + together * (centres - middle), (pixels[~second], pixels[second])
+    share = float(second.mean())
+    return middle + together * (centres - middle), np.array([1.0 - share, share])
 
 
 def outside(pixels: Floats, centre: Floats, shape: Floats, scale: float) -> Floats:

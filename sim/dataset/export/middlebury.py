@@ -22,9 +22,11 @@ from pjpdaf.errors import FileError
 from sim.dataset.export.export import AddSequence, Export
 from sim.dataset.files import encode
 from sim.dataset.files.layout import picture_name
+from sim.dataset.frame_rows import read_frame_rows
 from sim.dataset.labels.records import SEEN, Matches
 from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
+from sim.scene.world import CAMERAS
 from sim.steps import step
 
 BOTH, ONE, NONE = 255, 128, 0  # of the masks
@@ -38,14 +40,14 @@ def write_middlebury(dataset: Dataset, folder: Path) -> Iterator[AddSequence]:
 
     def add(sequence: StoredSequence) -> None:
         maps = _maps(sequence.rig)
-        for index in range(sequence.frame_count):
-            pictures = sequence.frame(index).pictures
-            if all(picture is not None for picture in pictures):
+        for frame in read_frame_rows(sequence):
+            if all(frame.arrived.values()):
+                index = frame.index
                 into = folder / f"{sequence.name}_{picture_name(index, '')}"
                 into.mkdir()
                 matches = [sequence.rectified(view, index) for view in (0, 1)]
-                for view, (picture, own) in enumerate(zip(pictures, matches, strict=True)):
-                    assert picture is not None
+                for view, (camera, own) in enumerate(zip(CAMERAS, matches, strict=True)):
+                    picture = sequence.picture(camera, index, np.uint8, 3)
                     _write_view(into, view, cv2.remap(picture, *maps[view], cv2.INTER_LINEAR), own)
                 most = max(_most_px(own) for own in matches)
                 (into / "calib.txt").write_text(calib_text(sequence.rig, most), "ascii")

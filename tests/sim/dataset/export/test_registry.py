@@ -12,7 +12,7 @@ from pjpdaf.errors import BenchError
 from sim.dataset.export.registry import EXPORTS
 from sim.dataset.files.layout import LABELS
 
-KEPT = ("seg", "amodal")
+KEPT = ("seg", "amodal", "disparity")
 
 
 @pytest.fixture(params=sorted(EXPORTS))
