@@ -150,7 +150,7 @@ def test_a_worker_of_other_code_is_refused_in_one_line(tmp_path):
     with dask_processes(tmp_path, 0) as processes:
         processes.add_workers(1, PYTHONPATH=str(other))
         line = ("run", "cross", "--seeds", "1", "--cluster", processes.address, "--out", "r")
-        done = bench(*line, cwd=tmp_path)
+        done = bench(*line, cwd=tmp_path, PJPDAF_BENCH_WORKER_WAIT_S="600")  # a slow start
     done.stderr = done.stderr.replace(f"waiting for workers of {processes.address}\n", "")
     fragments = ("worker tcp://127.0.0.1:", "other software", "the code of pjpdaf-bench", "here")
     assert_one_line(done, 2, *fragments)
