@@ -131,8 +131,8 @@ def test_only_what_is_wanted_is_made(plain):
     assert all(view.rectified is not None and view.matches is None for view in labels.views)
     _, labels = Labeller(simulation, ["correspondence"]).labelled(0)
     assert all(view.rectified is None and view.matches is not None for view in labels.views)
-    with pytest.raises(ValueError, match=r"unknown labels \['flow'\]; known: \['disparity', "):
-        Labeller(simulation, ["flow"])
+    with pytest.raises(ValueError, match=r"unknown labels \['warmth'\]; known: \['disparity', "):
+        Labeller(simulation, ["warmth"])
 
 
 def test_depth_is_nan_exactly_where_nothing_is(plain):
