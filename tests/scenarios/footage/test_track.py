@@ -165,7 +165,7 @@ def test_film_page_and_facts(tracked):
     capture.release()
     assert sizes == [(510, 1284, 3)] * FRAMES
     page = (tracked.out / "report.html").read_text()
-    for fragment in ("Tracking began at frame 0", 'id="figures-packed"', "data:image/jpeg"):
+    for fragment in ("Found from the first frame on", 'id="figures-packed"', "data:image/jpeg"):
         assert fragment in page
     assert "http://" not in page.partition('id="plotly-packed"')[0]
     assert "<script src" not in page
@@ -219,7 +219,7 @@ def test_waiting_rows_are_empty_and_the_first_frames_are_the_background(footage,
         later.astype({"x_m": float, "y_m": float, "z_m": float}), footage.truth_m[:4]
     )
     assert np.median(errors) < 40
-    assert "Tracking began at frame 10" in (tmp_path / "out/report.html").read_text()
+    assert "since tracking began in frame 10" in (tmp_path / "out/report.html").read_text()
 
 
 def test_videos_settings_rate_unit_and_skin_sample(footage, tmp_path):
