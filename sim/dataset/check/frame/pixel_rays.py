@@ -138,7 +138,7 @@ def bends(picture: NDArray[np.floating]) -> Floats:
     values = picture.astype(np.float64)
     down = np.pad(np.abs(np.diff(values, 2, axis=0)), ((1, 1), (0, 0)), "edge")
     across = np.pad(np.abs(np.diff(values, 2, axis=1)), ((0, 0), (1, 1)), "edge")
-    return np.nan_to_num(np.maximum(down, across), nan=np.inf)
+    return np.asarray(np.nan_to_num(np.maximum(down, across), nan=np.inf))
 
 
 def straight(places_px: NDArray[np.floating], pixels: Floats) -> NDArray[np.bool_]:
