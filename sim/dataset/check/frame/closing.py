@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
 from sim.dataset.check.fault import Fault
@@ -19,6 +20,7 @@ from sim.dataset.check.frame.pixel_rays import (
     bilinear,
     corners,
     inside,
+    most,
     positions,
     select,
 )
@@ -26,9 +28,10 @@ from sim.dataset.check.frame.view import FEW, FrameView, is_static
 from sim.scene.world import CAMERAS
 
 STEP = 4  # every STEP-th pixel of every STEP-th row is compared
-# Between four pixels of one instance lie bends and edges too: of 12 rigs' pictures, 98 % and more
-# closed, the median within 0.001 px, and 1.1 % at most lay behind the surface that hides them.
-LEAST_CLOSED, MEDIAN_PX, MOST_BEHIND = 0.95, 0.02, 0.025
+# Of 148 views of varied rooms at 160 x 120 pixels and more, 99.7 % and more closed, the median
+# within 0.001 px, and 0.3 % at most lay behind the surface that hides them; of 64 at 64 x 48,
+# through a lens, 98.3 %, 0.0014 px and 1.7 %.
+LEAST_CLOSED, MEDIAN_PX, MOST_BEHIND = 0.97, 0.02, 0.025
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,20 +85,46 @@ def closing(view: FrameView, static_only: bool, step: int = STEP) -> Closing:
     at, other_px, expected_m = select(at, ahead), other_px[ahead], expected_m[ahead]
     around = corners(present(view.other.depth_m), other_px).astype(np.float64)
     same = (corners(other_seg, other_px) == seg[at]).all(axis=0) & np.isfinite(around).all(axis=0)
-    at, other_px, expected_m = select(at, same), other_px[same], expected_m[same]
-    met_m = 1 / bilinear(1 / around[:, same], other_px)
-    back, _ = here.project(there.backproject(other_px, met_m))
+    at, other_px, expected_m, around = (
+        select(at, same),
+        other_px[same],
+        expected_m[same],
+        around[:, same],
+    )
+    met_m = 1 / bilinear(1 / around, other_px)
+    back, back_m = here.project(there.backproject(other_px, met_m))
     off = np.linalg.norm(back - positions(at), axis=1)
     off = np.where(np.isfinite(off), off, np.inf)
     close = off <= view.rig.tolerance_px(expected_m)
+    covered = ~close & (met_m < expected_m) & _shown(view, back, back_m)
+    compared = most(view.rig.smooth(present(view.other.depth_m), other_px, expected_m) & ~covered)
+    at, other_px, off, close, behind = (
+        select(at, compared),
+        other_px[compared],
+        off[compared],
+        close[compared],
+        (met_m > expected_m)[compared],
+    )
     n = max(len(off), 1)
     return Closing(
         pixels=len(off),
         closed=float(close.sum() / n),
         median_px=float(np.median(off)) if len(off) else 0.0,
-        behind=float(np.count_nonzero(~close & (met_m > expected_m)) / n),
+        behind=float(np.count_nonzero(~close & behind) / n),
         matches=Correspondences(select(at, close), other_px[close]),
     )
+
+
+def _shown(view: FrameView, pixels: Floats, depth_m: Floats) -> NDArray[np.bool_]:
+    """Which points at these positions (n, 2) and depths (n,) the view's own depth allows.
+
+    They are seen there, or hidden by what is nearer, or beyond the picture.
+    """
+    shown = ~inside(pixels, view.rays.size)
+    around = corners(present(view.own.depth_m), pixels[~shown]).astype(np.float64)
+    behind_px = view.rig.scale_px_m * (1 / np.fmin.reduce(around) - 1 / depth_m[~shown])
+    shown[~shown] = behind_px >= -view.rig.tolerance_px(depth_m[~shown])
+    return shown
 
 
 def closing_fault(view: FrameView, result: Closing) -> Fault:

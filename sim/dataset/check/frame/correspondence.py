@@ -9,14 +9,15 @@ import numpy as np
 from sim.dataset.check.fault import Fault
 from sim.dataset.check.frame.arrays import present
 from sim.dataset.check.frame.closing import LEAST_CLOSED
-from sim.dataset.check.frame.disparity import JUMP_PX, LEAST_RIGHT, STEP
+from sim.dataset.check.frame.disparity import LEAST_RIGHT, STEP
 from sim.dataset.check.frame.pixel_rays import (
     CLOSES_PX,
-    bilinear,
-    corners,
     inside,
+    most,
     positions,
+    sample,
     select,
+    straight,
 )
 from sim.dataset.check.frame.view import FEW, FrameView, is_static
 from sim.dataset.files.layout import FLOW_SCALE
@@ -64,10 +65,10 @@ def check_correspondence(view: FrameView) -> Iterator[Fault]:
     back = present(view.other.matches.places_px)
     going = (flag == SEEN) & inside(targets, other_rays.size)
     start, there = positions(at)[going], targets[going]
-    around = np.stack([corners(back[..., i], there) for i in (0, 1)], axis=-1).astype(np.float64)
-    even = np.isfinite(around).all(axis=(0, 2)) & (np.ptp(around, axis=0).max(axis=1) < 2 + JUMP_PX)
-    home = np.stack([bilinear(around[:, even, i], there[even]) for i in (0, 1)], axis=-1)
-    off = np.linalg.norm(home - start[even], axis=1)
+    home = np.column_stack([sample(back[..., i], there) for i in (0, 1)])
+    known = np.isfinite(home).all(axis=1)
+    off = np.linalg.norm(home - start, axis=1)[known]
+    off = off[most(straight(back, there)[known])]
     share = float(np.mean(off <= CLOSES_PX + 2 / FLOW_SCALE)) if len(off) >= FEW else 1.0
     if share < LEAST_CLOSED:
         other_camera = CAMERAS[1 - view.view]

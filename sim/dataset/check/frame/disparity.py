@@ -9,7 +9,14 @@ import numpy as np
 from sim.dataset.check.fault import Fault
 from sim.dataset.check.frame.arrays import FrameArrays, present
 from sim.dataset.check.frame.closing import LEAST_CLOSED
-from sim.dataset.check.frame.pixel_rays import bilinear, corners, inside, select
+from sim.dataset.check.frame.pixel_rays import (
+    JUMP_PX,
+    bilinear,
+    corners,
+    inside,
+    most,
+    select,
+)
 from sim.dataset.check.frame.view import FEW, FrameView, is_static
 from sim.dataset.files.layout import DISPARITY_SCALE
 from sim.dataset.labels.instances import PERSON
@@ -17,7 +24,6 @@ from sim.dataset.labels.records import HIDDEN, NO_SURFACE, OUT_OF_FRAME, SEEN
 
 STEP = 6
 BORDER_PX = 0.01  # from the picture's border, where rounded numbers do not tell the side
-JUMP_PX = 1.0  # of disparity from one pixel to the next; more is an edge
 LEAST_RIGHT = 0.97  # of pixels whose status the other view's labels confirm
 MOST_GONE = 0.01  # of the person's pixels, over JUMP_PX from where they should be; 0.002 were
 
@@ -40,17 +46,18 @@ def wrong_share(view: FrameView) -> float | None:
     ahead = inside(pixels, view.rays.size)
     pixels, expected_m = pixels[ahead], expected_m[ahead]
     ids = corners(seg, pixels)
-    around = 1 / corners(depth_m, pixels).astype(np.float64)
-    same = (ids == ids[0]).all(axis=0) & np.isfinite(around).all(axis=0)
+    around_m = corners(depth_m, pixels).astype(np.float64)
+    same = (ids == ids[0]).all(axis=0) & np.isfinite(around_m).all(axis=0)
     if view.is_late:
         same &= is_static(ids[0])
     if np.count_nonzero(same) < FEW:
         return None
-    met = bilinear(around[:, same], pixels[same])
-    off = rectified.baseline_px_m * np.abs(met - 1 / expected_m[same])
-    allowed = view.rig.tolerance_px(expected_m[same]) + 1 / DISPARITY_SCALE
-    wrong = float(np.mean(off > allowed))
-    even = np.ptp(around[:, same], axis=0) * rectified.baseline_px_m < JUMP_PX
+    around, pixels, expected_m = 1 / around_m[:, same], pixels[same], expected_m[same]
+    off = rectified.baseline_px_m * np.abs(bilinear(around, pixels) - 1 / expected_m)
+    allowed = view.rig.tolerance_px(expected_m) + 1 / DISPARITY_SCALE
+    smooth = view.rig.smooth(depth_m, pixels, expected_m)
+    wrong = float(np.mean((off > allowed)[most(smooth)]))
+    even = np.ptp(around, axis=0) * rectified.baseline_px_m < JUMP_PX
     gone = (off > allowed + JUMP_PX)[even & (ids[0][same] <= PERSON)]
     if len(gone) >= FEW and gone.mean() > MOST_GONE:
         return max(wrong, float(gone.mean()))

@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, StereoRig, distort_points, project, to_camera
-from sim.dataset.files.layout import DEPTH_UNIT_M
+from sim.dataset.files.layout import DEPTH_UNIT_M, FLOW_SCALE
 from sim.dataset.labels.stereo import RectifiedRig
 from sim.lens import ideal_pixels
 
+LEAST_CHOSEN = 0.5  # of pixels; off edges lay 73 % and more at 160 x 120, 65 % and more at 64 x 48
 PixelIndex = tuple[NDArray[np.intp], NDArray[np.intp]]  # rows (n,), columns (n,)
 CLOSES_PX = 0.05
+JUMP_PX = 1.0  # of disparity from one pixel to the next; more is an edge
 
 
 class PixelRays:
@@ -78,9 +80,24 @@ class RigRays:
 
     def tolerance_px(self, depth_m: Floats) -> Floats:
         """Disparity (n,) that CLOSES_PX and whole units of depth explain at these depths (n,)."""
+        return np.asarray(CLOSES_PX + self.scale_px_m / depth_m**2 * DEPTH_UNIT_M)
+
+    def smooth(
+        self, picture_m: NDArray[np.floating], pixels: Floats, depth_m: Floats
+    ) -> NDArray[np.bool_]:
+        """Which positions (n, 2) with depths (n,) lie on no edge or crease of depth (h, w).
+
+        There a depth between four pixels is of no surface: of one instance too, such as a leaf
+        and the wall behind it. Whole units of depth bend a plane by two units.
+        """
+        bend_px = self.scale_px_m * corners(bends(1 / picture_m), pixels).max(axis=0)
+        return np.asarray(bend_px <= 2 * self.tolerance_px(depth_m))
+
+    @property
+    def scale_px_m(self) -> float:
+        """Disparity times depth: focal length times baseline."""
         left, right = (rays.camera for rays in self.views)
-        baseline_m = float(np.linalg.norm(left.centre_w - right.centre_w))
-        return np.asarray(CLOSES_PX + left.K[0, 0] * baseline_m / depth_m**2 * DEPTH_UNIT_M)
+        return float(left.K[0, 0] * np.linalg.norm(left.centre_w - right.centre_w))
 
 
 def select(at: PixelIndex, chosen: NDArray[np.bool_]) -> PixelIndex:
@@ -109,6 +126,34 @@ def corners(picture: NDArray[np.generic], pixels: Floats) -> NDArray[np.generic]
 def sample(picture: NDArray[np.generic], pixels: Floats) -> Floats:
     """The picture (h, w) at positions (n, 2) that are `inside`: bilinear, in double precision."""
     return bilinear(corners(picture, pixels).astype(np.float64), pixels)
+
+
+def bends(picture: NDArray[np.floating]) -> Floats:
+    """By how much each pixel of a picture (h, w) leaves the line through its neighbours.
+
+    The larger second difference along row and column; infinite beside NaN. A value between four
+    pixels is off by no more than they bend, whether it is an edge, a crease or a curve. 1 / depth
+    bends nowhere on a plane.
+    """
+    values = picture.astype(np.float64)
+    down = np.pad(np.abs(np.diff(values, 2, axis=0)), ((1, 1), (0, 0)), "edge")
+    across = np.pad(np.abs(np.diff(values, 2, axis=1)), ((0, 0), (1, 1)), "edge")
+    return np.asarray(np.nan_to_num(np.maximum(down, across), nan=np.inf))
+
+
+def straight(places_px: NDArray[np.floating], pixels: Floats) -> NDArray[np.bool_]:
+    """Which positions (n, 2) lie on no edge or crease of a picture of places (h, w, 2) [px]."""
+    bend_px = np.maximum(*(bends(places_px[..., i]) for i in (0, 1)))
+    return np.asarray(corners(bend_px, pixels).max(axis=0) <= 2 * (CLOSES_PX + 2 / FLOW_SCALE))
+
+
+def most(chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The chosen of n pixels, where they are LEAST_CHOSEN or more of them; else all n.
+
+    Damage that makes edges of most pixels must not escape a check of those on none.
+    """
+    enough = np.count_nonzero(chosen) >= LEAST_CHOSEN * len(chosen)
+    return chosen if enough else np.ones_like(chosen)
 
 
 def bilinear(around: Floats, pixels: Floats) -> Floats:
