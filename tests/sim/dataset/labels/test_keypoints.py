@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
+from any_pose import any_pose
 
 from pjpdaf.camera import distort_points, project, to_camera
 from sim.anatomy import Anatomy
@@ -43,20 +43,6 @@ def renderer(world):
         yield opened
 
 
-def any_pose(rng):
-    """Hands anywhere before the person, turned any way, fingers bent by any amount."""
-    turns = Rotation.random(3, rng=rng).as_matrix()
-    nod = Rotation.from_rotvec(rng.normal(0.0, 0.3, 3)).as_matrix()
-    palms = rng.uniform((0.25, -0.4, 0.8), (0.5, 0.4, 1.3), (2, 3))
-    pose = rest_pose(ANATOMY)
-    return replace(
-        pose,
-        head=Transform(pose.head.position_m, nod),
-        hands=tuple(Transform(p, turn) for p, turn in zip(palms, turns, strict=False)),
-        curls=rng.uniform(0, 1, (2, 5)),
-    )
-
-
 def vertices(world, name):
     """Vertices (n, 3) of a mesh geom as it is drawn, world [m]."""
     model, geom = world.model, world.model.geom(name).id
@@ -70,7 +56,7 @@ def test_keypoints_are_where_the_model_is_posed(world, seed):
     points = Keypoints(ANATOMY)
     rng = generator(seed, "keypoints")
     for _ in range(OFTEN):
-        pose = any_pose(rng)
+        pose = any_pose(ANATOMY, rng)
         world.place(pose)
         at = dict(zip(KEYPOINTS, points.positions(pose), strict=True))
         np.testing.assert_allclose(at[0, "head_centre"], pose.head.position_m, atol=1e-12)
@@ -134,7 +120,7 @@ def test_visible_is_what_rays_meet_first(world, renderer, seed):
     rng = generator(seed, "visible")
     said = []
     for _ in range(OFTEN):
-        pose = any_pose(rng)
+        pose = any_pose(ANATOMY, rng)
         world.place(pose)
         places = points.positions(pose)
         for index, camera in enumerate(world.rig.cameras):

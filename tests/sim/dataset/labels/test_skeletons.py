@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
+from any_pose import any_pose
 
 from pjpdaf.camera import project, to_camera
 from sim.anatomy import Anatomy
@@ -55,20 +55,6 @@ def renderer(world):
         yield opened
 
 
-def any_pose(rng):
-    """Hands anywhere before the person, turned any way, fingers bent by any amount."""
-    turns = Rotation.random(2, rng=rng).as_matrix()
-    nod = Rotation.from_rotvec(rng.normal(0.0, 0.3, 3)).as_matrix()
-    palms = rng.uniform((0.25, -0.4, 0.8), (0.5, 0.4, 1.3), (2, 3))
-    pose = rest_pose(ANATOMY)
-    return replace(
-        pose,
-        head=Transform(pose.head.position_m, nod),
-        hands=tuple(Transform(p, turn) for p, turn in zip(palms, turns, strict=True)),
-        curls=rng.uniform(0, 1, (2, 5)),
-    )
-
-
 def test_the_names_are_those_of_the_field():
     assert HAND_JOINTS[:6] == (
         "wrist",
@@ -88,7 +74,7 @@ def test_joints_are_where_mujocos_bodies_turn(world, skeletons, seed):
     """Kinematics of our own against MuJoCo's, which poses what is drawn."""
     rng = generator(seed, "skeletons")
     for _ in range(POSES):
-        pose = any_pose(rng)
+        pose = any_pose(ANATOMY, rng)
         world.place(pose)
         at = dict(zip(POINTS, skeletons.positions(pose), strict=True))
         angles = skeletons.finger_angles(pose)
@@ -197,7 +183,7 @@ def test_visible_is_what_rays_meet_first(world, skeletons, renderer, seed):
     rng = generator(seed, "visible joints")
     said, wrong, seen = 0, 0, {VISIBLE: 0, OCCLUDED: 0}
     for _ in range(POSES):
-        pose = any_pose(rng)
+        pose = any_pose(ANATOMY, rng)
         world.place(pose)
         places = skeletons.positions(pose)
         for index, camera in enumerate(world.rig.cameras):
