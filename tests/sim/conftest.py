@@ -17,5 +17,6 @@ def pytest_generate_tests(metafunc):
         both = [every[:few], pytest.param(every[few:], marks=long)]
         metafunc.parametrize("seeds", both, ids=["few", "more"])
     elif "seed" in metafunc.fixturenames and "seed" not in given:
+        assert every, f"{metafunc.module.__name__} needs SEEDS: without, its tests would be skipped"
         one = [*every[:few], *(pytest.param(seed, marks=long) for seed in every[few:])]
         metafunc.parametrize("seed", one)

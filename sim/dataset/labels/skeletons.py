@@ -25,6 +25,7 @@ SURFACE_M = 0.010  # depth of the surface around a point that lies on it: nose, 
 # Around the joints of a person of AVERAGE_M [m]: an arm or thigh that points at the camera reaches
 # so far before its end.
 SHOULDER_M, ELBOW_M, HIP_M = 0.080, 0.080, 0.100
+FINGER_M = 0.010  # likewise a finger, pad and knuckle included; a thicker one reaches its radius
 AVERAGE_M = 1.72
 _BY_SIDE = ("left", "right")  # as in COCO
 _INDEX = {side: index for index, side in enumerate(SIDES)}
@@ -53,7 +54,9 @@ class Skeletons:
         palm_m = np.array([broad, broad, thick])
         k = anatomy.stature_m / AVERAGE_M
         # The first joint of a finger lies in the palm, the others in the finger.
-        joints_m = [[palm_m, *(np.full(3, r) for r in f.radii_m[1:])] for f in self._fingers]
+        joints_m = [
+            [palm_m, *(np.full(3, max(r, FINGER_M)) for r in f.radii_m[1:])] for f in self._fingers
+        ]
         self._half_m = np.array(
             [
                 *(np.full(3, SURFACE_M) for _ in range(3)),
@@ -101,7 +104,7 @@ class Skeletons:
 
         geoms (h, w): geom ids of the view. The surfaces of a joint are those of the two parts that
         meet in it (of a tip the last one's, of the nose and eyes the face's, of an ear its own),
-        near enough: an ellipsoid of the size of the palm, a ball of the finger's radius, or of an
+        near enough: an ellipsoid of the size of the palm, a ball of the finger's thickness, or of an
         average arm or thigh.
         """
         head, hands = pose.head.rotation, [hand.rotation for hand in pose.hands]
