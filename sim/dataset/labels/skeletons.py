@@ -104,8 +104,8 @@ class Skeletons:
 
         geoms (h, w): geom ids of the view. The surfaces of a joint are those of the two parts that
         meet in it (of a tip the last one's, of the nose and eyes the face's, of an ear its own),
-        near enough: an ellipsoid of the size of the palm, a ball of the finger's thickness, or of an
-        average arm or thigh.
+        near enough: an ellipsoid of the size of the palm, a ball of the thickness of a finger, or
+        of an average arm or thigh.
         """
         head, hands = pose.head.rotation, [hand.rotation for hand in pose.hands]
         rotations = np.array(
