@@ -13,7 +13,10 @@ function keysBusy(event) {
   return false;
 }
 
+let sought = -Infinity; // when a key last began to scroll to the player [ms]
+
 function onScreen() {
+  if (performance.now() - sought < 1000) return true; // it is on its way
   const box = part("left").getBoundingClientRect();
   return box.bottom > 0 && box.top < innerHeight;
 }
@@ -43,5 +46,7 @@ addEventListener("keydown", (event) => {
   else if (action) { if ("[]".includes(event.key)) stop(); action(); }
   else return;
   event.preventDefault();
-  if (!onScreen()) section.scrollIntoView({ behavior: still.matches ? "auto" : "smooth" });
+  if (onScreen()) return;
+  sought = performance.now();
+  section.scrollIntoView({ behavior: still.matches ? "auto" : "smooth" });
 });

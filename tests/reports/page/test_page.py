@@ -270,6 +270,8 @@ def test_the_slider_moves_everything(report, opened):
             assert box["y"] + box["height"] < 900, selector
         view.select_option("[data-part=episode]", "0-0-1")
         view.wait_for_selector('#player[data-key="0-0-1"]')
+        settled = "() => document.querySelector('[data-part=left]').dataset.frame"
+        until(view, settled + " === document.getElementById('player').dataset.frame")
         slider = view.locator("[data-part=slider]")
         slider.focus()
         view.keyboard.press("Home")
