@@ -12,7 +12,7 @@ def test_formats_are_named_in_any_order_and_chosen_by_the_labels():
     assert parse_formats(None, ("depth",)) == ("mot",)
     assert parse_formats("none", ()) == ()
     assert parse_formats("mot, coco", ("seg",)) == ("coco", "mot")
-    with pytest.raises(BenchError, match="--export yolo: no such format; did you mean yolo-seg or yolo-pose"):
+    with pytest.raises(BenchError, match="yolo: no such format; did you mean yolo-seg"):
         parse_formats("yolo", ("seg",))
     with pytest.raises(BenchError, match="made of the label seg"):
         parse_formats("coco", ("depth",))
