@@ -270,11 +270,14 @@ def test_the_slider_moves_everything(report, opened):
             assert box["y"] + box["height"] < 900, selector
         view.select_option("[data-part=episode]", "0-0-1")
         view.wait_for_selector('#player[data-key="0-0-1"]')
-        settled = "() => document.querySelector('[data-part=left]').dataset.frame"
-        until(view, settled + " === document.getElementById('player').dataset.frame")
         slider = view.locator("[data-part=slider]")
-        slider.focus()
-        view.keyboard.press("Home")
+        # On a busy machine the episode still opens, on its worst frame, when a first key arrives.
+        for _ in range(50):
+            slider.focus()
+            view.keyboard.press("Home")
+            view.wait_for_timeout(200)
+            if view.get_attribute("#player", "data-frame") == "0":
+                break
         at_frame(view, 0)
         before = drawings(view)
         view.keyboard.press("ArrowRight")
