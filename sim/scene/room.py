@@ -12,10 +12,10 @@ from sim.surfaces import textures
 from sim.surfaces.assets import Assets, Quaternion, check_word, turned
 from sim.surfaces.shapes import revolved
 from sim.surroundings.room import add_surroundings
+from sim.surroundings.seat_and_table import TOP_M, paint_table
 from sim.vectors import about_z
 
 WALL_X, SIDE_Y, HEIGHT, FRONT_X = -1.55, 2.1, 2.7, 2.6  # the room [m]
-TOP_M = 0.028  # thickness of the table top
 AIM_M = np.array([0.1, 0.0, 0.95])  # the point at which the lights aim
 _FACING: Quaternion = (0.5, 0.5, 0.5, 0.5)  # a plane's x, y, z to the world's y, z, x
 _FROM_RIGHT: Quaternion = (0.7071068, -0.7071068, 0.0, 0.0)  # normal +y
@@ -150,9 +150,7 @@ def _furniture(assets: Assets) -> None:
 
 def _table(assets: Assets, room: RoomSpec) -> None:
     world = assets.spec.worldbody
-    picture = assets.texture("table", textures.tabletop, room.table_rgb, room.table_surface)
-    gloss = {"wood": 0.08, "cloth": 0.0, "plain": 0.12}[room.table_surface]
-    assets.painted("table", picture, specular=gloss, shininess=0.3)
+    paint_table(assets, room)
     edge = tuple(0.82 * c for c in room.table_rgb)
     assets.plain("table:edge", (edge[0], edge[1], edge[2]))
     x = room.table_near_x_m + room.table_depth_m / 2
