@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
 from sim.dataset.labels.records import HIDDEN, NO_SURFACE, SEEN, Matches
-from sim.dataset.labels.stereo import farthest, pixel_rays, status_of
+from sim.dataset.labels.stereo import met_at, pixel_rays, status_of
 from sim.lens import Lens, real_pixels
 from sim.scene.world import World
 
@@ -67,11 +67,7 @@ class ViewFlow:
         # Of what stands still: its own pixel shows what has come before it.
         covered = (there.geoms != here.geoms) & (there.depth_m < here.depth_m)
         status = np.where(there_is, np.where(covered, HIDDEN, SEEN), NO_SURFACE)
-        x, y = pixels.T
-        inside = (x >= -0.5) & (x < width - 0.5) & (y >= -0.5) & (y < height - 0.5)
-        column, row = (np.where(inside, np.floor(v), 0).astype(np.int32) + 1 for v in (x, y))
-        far = farthest(there.depth_m, rows=True)
-        met = np.take(far, row * far.shape[1] + column)
+        inside, met = met_at(there.depth_m, *pixels.T)
         status[ys, xs] = status_of(np.ones(len(ys), bool), inside, z, met, focal_px)
         return Matches(status.astype(np.uint8), places_px=places)
 

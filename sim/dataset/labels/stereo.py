@@ -95,7 +95,7 @@ class RectifiedPair:
         nearest = np.clip(np.floor(x + np.float32(0.5)), 0, width - 1).astype(np.int32)
         row = np.arange(height, dtype=np.int32)[:, None]
         inside &= np.take(self.covered[1 - view], row * width + nearest)
-        far = farthest(other, rows=False)
+        far = _farthest(other, rows=False)
         met = np.take(far, row * far.shape[1] + first)
         status = status_of(there, inside, z, met, self._rig.focal_px)
         return Matches(status, disparity_px=np.where(there, disparity, np.float32(np.nan)))
@@ -135,13 +135,21 @@ class PicturePair:
         )
         scale = 1 / np.where(z > 0, z, nan)
         x, y = real_pixels(camera, self._lenses[1 - view], qx * scale, qy * scale)
-        height, width = other.shape
-        inside = (x >= -0.5) & (x < width - 0.5) & (y >= -0.5) & (y < height - 0.5)
-        column, row = (np.where(inside, np.floor(v), 0).astype(np.int32) + 1 for v in (x, y))
-        far = farthest(other, rows=True)
-        met = np.take(far, row * far.shape[1] + column)
+        inside, met = met_at(other, x, y)
         status = status_of(np.isfinite(own), inside, z, met, float(camera.K[0, 0]))
         return Matches(status, places_px=np.stack([x, y], axis=-1))
+
+
+def met_at(depth_m: Float32s, x: Float32s, y: Float32s) -> tuple[NDArray[np.bool_], Float32s]:
+    """Which positions (...) [px] lie inside a picture (h, w), and its farthest depth around each.
+
+    The depth of a position outside means nothing.
+    """
+    height, width = depth_m.shape
+    inside = (x >= -0.5) & (x < width - 0.5) & (y >= -0.5) & (y < height - 0.5)
+    column, row = (np.where(inside, np.floor(v), 0).astype(np.int32) + 1 for v in (x, y))
+    far = _farthest(depth_m, rows=True)
+    return inside, np.take(far, row * far.shape[1] + column)
 
 
 def status_of(
@@ -161,7 +169,7 @@ def status_of(
     return np.where(there, status, NO_SURFACE).astype(np.uint8)
 
 
-def farthest(depth_m: Float32s, rows: bool) -> Float32s:
+def _farthest(depth_m: Float32s, rows: bool) -> Float32s:
     """Farthest depth (h, w + 1) of pixels (x - 1, x); with rows (h + 1, w + 1) of y - 1, y too.
 
     Infinite where a pixel shows nothing or is outside the picture.

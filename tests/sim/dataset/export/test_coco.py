@@ -30,11 +30,6 @@ pytestmark = pytest.mark.filterwarnings(
 
 
 @pytest.fixture(scope="module")
-def dataset(dataset_made):
-    return sim.dataset.open(dataset_made)
-
-
-@pytest.fixture(scope="module")
 def files(dataset, tmp_path_factory):
     return export(dataset, tmp_path_factory.mktemp("coco"))
 

@@ -6,15 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
-import sim.dataset
 from pjpdaf.calibration import rectify
 from sim.dataset.export.middlebury import BOTH, NONE, export
 from sim.dataset.labels.records import SEEN
-
-
-@pytest.fixture(scope="module")
-def dataset(dataset_made):
-    return sim.dataset.open(dataset_made)
 
 
 @pytest.fixture(scope="module")

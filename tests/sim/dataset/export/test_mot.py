@@ -20,11 +20,6 @@ from sim.scene.world import CAMERAS
 
 
 @pytest.fixture(scope="module")
-def dataset(dataset_made):
-    return sim.dataset.open(dataset_made)
-
-
-@pytest.fixture(scope="module")
 def mot(dataset, tmp_path_factory):
     into = tmp_path_factory.mktemp("exported")
     export(dataset, into)

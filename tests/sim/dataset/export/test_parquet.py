@@ -22,11 +22,6 @@ from sim.scene.world import CAMERAS
 
 
 @pytest.fixture(scope="module")
-def dataset(dataset_made):
-    return sim.dataset.open(dataset_made)
-
-
-@pytest.fixture(scope="module")
 def files(dataset, tmp_path_factory):
     return exporter(1 << 20)(dataset, tmp_path_factory.mktemp("rows"))
 

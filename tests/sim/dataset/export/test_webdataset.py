@@ -20,11 +20,6 @@ from sim.scene.world import CAMERAS
 
 
 @pytest.fixture(scope="module")
-def dataset(dataset_made):
-    return sim.dataset.open(dataset_made)
-
-
-@pytest.fixture(scope="module")
 def shards(dataset, tmp_path_factory):
     return exporter(shard_samples=6)(dataset, tmp_path_factory.mktemp("shards"))
 

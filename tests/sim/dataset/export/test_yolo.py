@@ -11,7 +11,6 @@ from pycocotools import mask as mask_utils
 from pycocotools.coco import COCO
 from ruamel.yaml import YAML
 
-import sim.dataset
 from sim.dataset.export import coco, yolo
 from sim.dataset.splits import splits_record
 from sim.scene.world import CAMERAS
@@ -19,11 +18,6 @@ from sim.scene.world import CAMERAS
 pytestmark = pytest.mark.filterwarnings(
     "ignore:__array__ implementation doesn't accept a copy keyword:DeprecationWarning"
 )
-
-
-@pytest.fixture(scope="module")
-def dataset(dataset_made):
-    return sim.dataset.open(dataset_made)
 
 
 @pytest.fixture(scope="module")
