@@ -58,18 +58,28 @@ def entry_point_names(group: str) -> tuple[str, ...]:
 
 
 def find_factory(
-    kind: str, group: str, name: str, known: Collection[str], takes: str = " of the cameras"
+    kind: str, group: str, name: str, ours: Collection[str] = (), takes: str = ""
 ) -> Callable[..., Any]:
     """Load the factory of a plug-in by its name.
 
-    kind: what it is, for messages; known: names that may have been meant; takes: its arguments,
-    for messages. Raises NoSuchPlugIn for a name that is not there, PlugInError for code that
-    cannot be loaded.
+    kind: what it is, for messages; ours: names that may have been meant, beside the entry points;
+    takes: its arguments, for messages. Raises NoSuchPlugIn for a name that is not there,
+    PlugInError for code that cannot be loaded.
     """
-    factory = _entry_point(kind, group, name) or _attribute(kind, name, known)
+    factory = _entry_point(kind, group, name) or _attribute(kind, group, name, ours)
     if not callable(factory):
         raise PlugInError(f"The {kind} {name!r} is no function{takes}.")
     return cast(Callable[..., Any], factory)
+
+
+def call_plug_in(cannot: str, function: Callable[..., Any], *arguments: object) -> Any:
+    """Call code of a user. Raises its BenchError, or PlugInError: `cannot`, then what it raised."""
+    try:
+        return function(*arguments)
+    except BenchError:
+        raise
+    except (Exception, SystemExit) as fault:
+        raise PlugInError(f"{cannot} {describe_exception(fault)}.") from fault
 
 
 def _entry_point(kind: str, group: str, name: str) -> object | None:
@@ -85,10 +95,11 @@ def _entry_point(kind: str, group: str, name: str) -> object | None:
     return None
 
 
-def _attribute(kind: str, name: str, known: Collection[str]) -> object:
+def _attribute(kind: str, group: str, name: str, ours: Collection[str]) -> object:
     """Import the object that 'module:factory' names."""
     module_name, colon, attribute = name.partition(":")
     if not colon:
+        known = sorted({*ours, *entry_point_names(group)})
         raise NoSuchPlugIn(
             f"No {kind} {name!r}.{did_you_mean(name, known)} "
             "A factory of your own is written module:factory."

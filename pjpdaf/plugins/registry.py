@@ -7,12 +7,11 @@ from typing import Any, cast
 
 from pjpdaf.camera import Camera
 from pjpdaf.detector.adaptation import BlobDetectorParameters
-from pjpdaf.errors import BenchError
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import AnyTracker, Detector
 from pjpdaf.plugins.loading import (
     PlugInError,
-    describe_exception,
+    call_plug_in,
     entry_point_names,
     find_factory,
 )
@@ -94,14 +93,8 @@ def _refuse_overrides(
 def _build(
     kind: str, group: str, name: str, cameras: tuple[Camera, ...], methods: tuple[str, ...]
 ) -> object:
-    factory = find_factory(kind, group, name, plug_in_names(group))
-    try:
-        plug_in = factory(cameras)
-    except BenchError:
-        raise
-    except (Exception, SystemExit) as fault:
-        cause = describe_exception(fault)
-        raise PlugInError(f"The {kind} {name!r} cannot be built: {cause}.") from fault
+    factory = find_factory(kind, group, name, PRESETS, " of the cameras")
+    plug_in: object = call_plug_in(f"The {kind} {name!r} cannot be built:", factory, cameras)
     missing = [method for method in methods if not callable(getattr(plug_in, method, None))]
     if missing:
         raise PlugInError(f"The {kind} {name!r} lacks {', '.join(missing)}; see pjpdaf.interfaces.")

@@ -10,13 +10,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from pjpdaf.errors import BenchError
-from pjpdaf.plugins.loading import (
-    PlugInError,
-    describe_exception,
-    entry_point_names,
-    find_factory,
-)
+from pjpdaf.plugins.loading import PlugInError, call_plug_in, find_factory
 from sim.files import files_digest
 from sim.motion.motion import MotionPlan
 from sim.motion.stage import Family, Stage, Values, no_objects
@@ -43,14 +37,8 @@ class OwnMotion:
 @functools.lru_cache(maxsize=64)
 def own_motion(name: str) -> OwnMotion:
     """The kind of motion that a plug-in's factory makes. Raises PlugInError."""
-    factory = find_factory("motion", MOTIONS, name, entry_point_names(MOTIONS), "")
-    try:
-        made = factory()
-    except BenchError:
-        raise
-    except (Exception, SystemExit) as fault:
-        cause = describe_exception(fault)
-        raise PlugInError(f"The motion {name!r} cannot be built: {cause}.") from fault
+    factory = find_factory("motion", MOTIONS, name)
+    made = call_plug_in(f"The motion {name!r} cannot be built:", factory)
     if not isinstance(made, OwnMotion):
         raise PlugInError(
             f"The motion {name!r}: its factory must return an OwnMotion (sim.families.plugged), "
@@ -64,7 +52,8 @@ def own_family(name: str) -> Family:
     made = own_motion(name)
 
     def plan(stage: Stage) -> MotionPlan:
-        planned = _called(name, "plan", made.plan, stage)
+        # A BenchError is a draw that cannot be posed, or a parameter that does not fit.
+        planned = call_plug_in(f"The motion {name!r}: plan: raises", made.plan, stage)
         if not isinstance(planned, MotionPlan):
             raise PlugInError(
                 f"The motion {name!r}: plan: must return a MotionPlan (stage.plan makes it), "
@@ -73,7 +62,7 @@ def own_family(name: str) -> Family:
         return planned
 
     def objects(values: Values) -> tuple[ObjectSpec, ...]:
-        listed = _called(name, "objects", made.objects, values)
+        listed = call_plug_in(f"The motion {name!r}: objects: raises", made.objects, values)
         if not (isinstance(listed, tuple) and all(isinstance(o, ObjectSpec) for o in listed)):
             raise PlugInError(
                 f"The motion {name!r}: objects: must return a tuple of ObjectSpec, returns "
@@ -82,16 +71,6 @@ def own_family(name: str) -> Family:
         return listed
 
     return Family(tuple(made.parameters), plan, objects)
-
-
-def _called(name: str, label: str, function: Callable[[Any], Any], argument: object) -> Any:
-    try:
-        return function(argument)
-    except BenchError:  # a draw that cannot be posed, a parameter that does not fit
-        raise
-    except (Exception, SystemExit) as fault:
-        cause = describe_exception(fault)
-        raise PlugInError(f"The motion {name!r}: {label}: raises {cause}.") from fault
 
 
 def source_digest(name: str, group: str = MOTIONS) -> str:
