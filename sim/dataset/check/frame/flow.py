@@ -15,12 +15,13 @@ from sim.dataset.check.frame.correspondence import REACH_PX
 from sim.dataset.check.frame.disparity import LEAST_RIGHT
 from sim.dataset.check.frame.pixel_rays import (
     CLOSES_PX,
+    HOME_PX,
     PixelIndex,
     corners,
     inside,
     most,
+    off_home,
     positions,
-    sample,
     select,
     straight,
 )
@@ -130,11 +131,10 @@ def _closed_share(
     seg = present(here.own.seg)[own]
     same = (corners(present(there.own.seg), there_px) == seg).all(axis=0)
     places_back = present(back.places_px)
-    home = np.column_stack([sample(places_back[..., i], there_px) for i in (0, 1)])
-    same &= np.isfinite(home).all(axis=1)
+    off = off_home(places_back, there_px, positions(own))
+    same &= np.isfinite(off)
     if np.count_nonzero(same) < FEW:
         return None
     # Between fingers, or bone and bone, the flow bends: only where it is straight does it close.
     chosen = most(straight(places_back, there_px[same]))
-    off = np.linalg.norm(home - positions(own), axis=1)[same][chosen]
-    return float(np.mean(off <= CLOSES_PX + 2 / FLOW_SCALE))
+    return float(np.mean(off[same][chosen] <= HOME_PX))
