@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from pjpdaf.arrays import Floats
 from pjpdaf.targets import HANDS, TARGETS
 from sim.dataset.check.fault import FrameFault
-from sim.dataset.check.frame_tables import FrameTables
+from sim.dataset.check.frame_tables import FrameTables, rotation_of
 from sim.dataset.files.layout import SKELETON
 from sim.dataset.labels.records import (
     BODY_POINTS,
@@ -85,8 +84,7 @@ def _bones(joints: Floats) -> Floats:
 
 def _in_palm(frame: FrameTables, target: str, bones: Floats) -> Floats:
     """The first bones (5, 3) of the fingers in the hand's frame."""
-    row = frame.rows[TARGETS.index(target)]
-    turn = Rotation.from_quat([row[q] for q in ("qw", "qx", "qy", "qz")], scalar_first=True)
+    turn = rotation_of(frame.rows[TARGETS.index(target)])
     return np.asarray(turn.inv().apply(bones[:, 0]))
 
 

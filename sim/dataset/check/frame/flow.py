@@ -26,7 +26,7 @@ from sim.dataset.check.frame.pixel_rays import (
     straight,
 )
 from sim.dataset.check.frame.view import FEW, FrameView, is_static
-from sim.dataset.check.frame_tables import FrameTables
+from sim.dataset.check.frame_tables import FrameTables, rotation_of
 from sim.dataset.files.layout import DEPTH_UNIT_M, FLOW_SCALE
 from sim.dataset.labels.instances import FIRST_OBJECT
 from sim.dataset.labels.records import NO_SURFACE, OUT_OF_FRAME, SEEN, Matches
@@ -88,12 +88,8 @@ def _rigid_parts(one: FrameTables, other: FrameTables) -> Iterator[tuple[str, in
         for o, (a, b) in enumerate(zip(one.objects, other.objects, strict=True))
     ]
     for name, identity, before, after in rows:
-        turns = [
-            Rotation.from_quat([row[q] for q in ("qw", "qx", "qy", "qz")], scalar_first=True)
-            for row in (before, after)
-        ]
+        turn = rotation_of(after) * rotation_of(before).inv()
         places = [np.array([row[f"{axis}_m"] for axis in "xyz"]) for row in (before, after)]
-        turn = turns[1] * turns[0].inv()
 
         def move(points: Floats, turn: Rotation = turn, places: list[Floats] = places) -> Floats:
             return np.asarray(turn.apply(points - places[0]) + places[1])
