@@ -45,7 +45,15 @@ def add_arm(
     # The sleeve on the upper arm, and then the bare skin below it.
     if appearance.sleeves == "short":
         ends = np.array([_SHOULDER_M, 0.0480, 0.0485, 0.0475, 0.0480]) * k
-        _sleeve(assets, upper, f"upper_arm:{side}", SHORT_SLEEVE * upper_m, ends, hem_m=0.003)
+        _sleeve(
+            assets,
+            upper,
+            f"upper_arm:{side}",
+            SHORT_SLEEVE * upper_m,
+            ends,
+            0.003,
+            from_elbow=False,
+        )
         surface = limb(upper_m, np.array(UPPER_SKIN_M) * k, sides=20, rings=8)
         assets.add(upper, f"bare:upper_arm:{side}", surface, "skin", CLOTHES)
     else:
@@ -60,7 +68,9 @@ def add_arm(
         return
     if appearance.sleeves == "rolled":
         ends = np.array([1.0, 1.06, 1.08]) * cloth[0]
-        _sleeve(assets, fore, f"forearm:{side}", ROLLED_SLEEVE * long_m, ends, hem_m=0.006)
+        _sleeve(
+            assets, fore, f"forearm:{side}", ROLLED_SLEEVE * long_m, ends, 0.006, from_elbow=True
+        )
     # Drawn in at the wrist, so that the hand's own goes on without a step.
     skin = np.interp(np.linspace(0, 1, 13), np.linspace(0, 1, 5), skin)
     skin[-1] *= WRIST_DRAWN_IN
@@ -77,12 +87,17 @@ def add_arm(
 
 
 def _sleeve(
-    assets: Assets, body: Any, name: str, length_m: float, radii_m: Floats, hem_m: float
+    assets: Assets,
+    body: Any,
+    name: str,
+    length_m: float,
+    radii_m: Floats,
+    hem_m: float,
+    from_elbow: bool,
 ) -> None:
     """A sleeve that ends on the way, with a hem or a rolled cuff that is hem_m thick."""
     surface = limb(length_m, radii_m, sides=22, rings=6, end_rings=5, far_cap=0.05)
-    of_elbow = name.startswith("forearm")
-    surface = sleeve_below(surface, float(radii_m[0])) if of_elbow else tailored(surface, 0)
+    surface = sleeve_below(surface, float(radii_m[0])) if from_elbow else tailored(surface, 0)
     assets.add(body, name, surface, "shirt", CLOTHES)
     r, wide = float(radii_m[-1]), 0.012 + 3.5 * hem_m
     outline = np.array(
