@@ -40,7 +40,7 @@ _CLOSED_ON = ("cup", "box", "ball")  # objects on which fingers are closed one b
 def _grasp(rehearsal: Rehearsal, step: Step, side: int) -> None:
     """Reach for an object from outside, open, and close the hand round it."""
     name = step.words["object"]
-    spec, place = rehearsal.object_named(name), rehearsal.places[name]
+    spec, place = rehearsal.object_named(name)
     if min(spec.size_m[:2]) > _WIDEST_M:
         raise Unposable(
             f"{step.where}: object: {name} is {1000 * min(spec.size_m[:2]):.0f} mm wide, too wide "
