@@ -54,8 +54,7 @@ def _hide(rehearsal: Rehearsal, step: Step, side: int) -> None:
     hand = rehearsal.hands[side]
     lay(hand, [Leg((over,), bulge_m=(0.0, 0.0, 0.04)), Leg((hidden,))], step)
     hand.wait(step.number("hold"))
-    speed = step.numbers.get("speed", 0.4)
-    lay(hand, [Leg((over,))], replace(step, numbers={"speed": speed}))
+    lay(hand, [Leg((over,))], step.without_duration())
 
 
 def _leave_view(rehearsal: Rehearsal, step: Step, side: int) -> None:
