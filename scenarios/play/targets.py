@@ -65,10 +65,10 @@ def expand_suite(suite: Suite) -> list[PlannedScenario]:
 
 def in_rooms(planned: PlannedScenario, surroundings: str) -> PlannedScenario:
     """The scenario in rooms of its label's own where it, or `surroundings`, is varied."""
-    if VARIED not in (surroundings, planned.scenario.surroundings):
+    scenario = planned.scenario
+    if scenario.rooms or VARIED not in (surroundings, scenario.surroundings):
         return planned
-    rooms = planned.scenario.rooms or planned.label
-    return replace(planned, scenario=in_varied_surroundings(planned.scenario, rooms))
+    return replace(planned, scenario=in_varied_surroundings(scenario, planned.label))
 
 
 def _planned(suite: Suite, entry: SuiteEntry, scenario: Scenario) -> PlannedScenario:

@@ -94,25 +94,8 @@ class Scenario(Record):
             if name not in self.parameters:
                 raise fault_at(f"{self.motion.kind} needs the parameter {name}", "parameters")
         for name, parameter in self.parameters.items():
-            if name in standard and isinstance(parameter, File):
-                raise fault_at("cannot be a file", f"parameters.{name}.file")
-            if name in standard and isinstance(parameter, Choice) and name in ROOM_CHOICES:
-                for option in parameter.choices:
-                    if option not in ROOM_CHOICES[name]:
-                        known, hint = ROOM_CHOICES[name], did_you_mean(option, ROOM_CHOICES[name])
-                        raise fault_at(
-                            f"must be among {', '.join(known)}, got {option!r}{hint}",
-                            f"parameters.{name}.choices",
-                        )
-            if name in standard and isinstance(parameter, Numeric):
-                usual = standard[name]
-                if isinstance(usual, Numeric) and UNITS[parameter.unit] != UNITS[usual.unit]:
-                    raise fault_at(f"unit must be {usual.unit}", f"parameters.{name}.unit")
-                ends = ROOM_RANGES.get(name)
-                if ends and not ends[0] <= parameter.range[0] <= parameter.range[1] <= ends[1]:
-                    raise fault_at(
-                        f"must lie within {ends[0]:g} to {ends[1]:g}", f"parameters.{name}.range"
-                    )
+            if name in standard:
+                _refuse_unfit(name, parameter, standard[name])
         merged = dict(standard) | self.parameters
         object.__setattr__(self, "parameters", merged)
         return self
@@ -144,6 +127,27 @@ class Scenario(Record):
         """Names of the parameters that are not standard ones."""
         standard = standard_parameters(self.surroundings)
         return tuple(name for name in self.parameters if name not in standard)
+
+
+def _refuse_unfit(name: str, parameter: Parameter, usual: Numeric | Choice) -> None:
+    """Raise the fault of a parameter that cannot stand in for the usual one of its name."""
+    at = f"parameters.{name}"
+    if isinstance(parameter, File):
+        raise fault_at("cannot be a file", f"{at}.file")
+    if isinstance(parameter, Choice):
+        known = ROOM_CHOICES.get(name, parameter.choices)
+        for option in parameter.choices:
+            if option not in known:
+                hint = did_you_mean(option, known)
+                raise fault_at(
+                    f"must be among {', '.join(known)}, got {option!r}{hint}", f"{at}.choices"
+                )
+        return
+    if isinstance(usual, Numeric) and UNITS[parameter.unit] != UNITS[usual.unit]:
+        raise fault_at(f"unit must be {usual.unit}", f"{at}.unit")
+    ends = ROOM_RANGES.get(name)
+    if ends and not ends[0] <= parameter.range[0] <= parameter.range[1] <= ends[1]:
+        raise fault_at(f"must lie within {ends[0]:g} to {ends[1]:g}", f"{at}.range")
 
 
 def in_varied_surroundings(scenario: Scenario, rooms: str) -> Scenario:

@@ -113,6 +113,10 @@ _ROOM: Mapping[str, Numeric | Choice] = {
 }
 
 PARAMETERS: Mapping[str, Numeric | Choice] = {**_WIDER, **_ROOM}
+_STANDARD: Mapping[str, Mapping[str, Numeric | Choice]] = {
+    NOMINAL: STANDARD,
+    VARIED: {**STANDARD, **PARAMETERS},
+}
 ROOM_CHOICES: Mapping[str, tuple[str, ...]] = {
     name: parameter.choices for name, parameter in _ROOM.items() if isinstance(parameter, Choice)
 }
@@ -128,7 +132,7 @@ _FLOOR_TONES = ((24.0, 0.42), (32.0, 0.55), (38.0, 0.22), (210.0, 0.06), (215.0,
 
 def standard_parameters(surroundings: str) -> Mapping[str, Numeric | Choice]:
     """The parameters that every scenario has in these surroundings unless it says otherwise."""
-    return {**STANDARD, **PARAMETERS} if surroundings == VARIED else STANDARD
+    return _STANDARD[surroundings]
 
 
 def surroundings_of(values: Values) -> Surroundings | None:

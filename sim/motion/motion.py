@@ -21,9 +21,9 @@ from sim.motion.strokes import HandState, Wobble, minimum_jerk
 from sim.person.kinematics import Arm, shoulders, solve_arm
 from sim.pose import Pose, Transform
 from sim.scene.extras import WithExtras
-from sim.scene.room import TOP_M
 from sim.script import Script
 from sim.specs import RoomSpec, SceneSpec
+from sim.surroundings.seat_and_table import TOP_M
 from sim.vectors import about_z
 
 # Of the stature: the elbow above the table, so that the whole sleeve is. Before the edge, and with

@@ -12,7 +12,15 @@ from pjpdaf.arrays import Floats, readonly
 from sim.anatomy import Anatomy
 from sim.person.head import angles, face_points, scaled
 from sim.specs import Appearance
-from sim.surfaces.shapes import Surface, capped, closed_grid, ellipsoid, extremes, interpolate
+from sim.surfaces.shapes import (
+    Surface,
+    capped,
+    closed_grid,
+    ellipsoid,
+    extremes,
+    interpolate,
+    sphere_points,
+)
 from sim.surfaces.textures import Texture, to_bytes, value_noise
 
 
@@ -115,10 +123,7 @@ def _average_cap(hair: str) -> Floats:
         strands = np.sin(37 * phi + 5 * np.sin(3 * phi)) + 0.7 * np.sin(61 * phi + 1.0)
         lift = lift + 0.0008 * strands * share[:, None] * edge
     else:
-        index = np.arange(_CURLS) + 0.5
-        up, turn = 1.0 - 2.0 * index / _CURLS, np.pi * (1.0 + 5**0.5) * index
-        flat = np.sqrt(1.0 - up * up)
-        curls = np.column_stack([flat * np.cos(turn), flat * np.sin(turn), up])
+        curls = sphere_points(_CURLS)
         nearest = (out.reshape(-1, 3) @ curls.T).max(axis=1).reshape(out.shape[:2])
         lift = lift + cut.curl_m * edge * (np.exp((nearest - 1.0) / 0.008) - 0.5)
     outside = skull + out * lift[..., None]

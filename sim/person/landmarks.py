@@ -6,11 +6,8 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
-from sim.person.head import EYE_Y, EYE_Z, head_surface
+from sim.person.head import EYE_Y, EYE_Z, head_surface, scaled
 from sim.surfaces.shapes import Surface
-
-# Half breadth and half height [m] of the average head, for which EYE_Y and EYE_Z are given.
-_HALF_BREADTH_M, _HALF_HEIGHT_M = 0.0761, 0.1127
 
 
 def nose_and_eyes(anatomy: Anatomy) -> Floats:
@@ -20,8 +17,7 @@ def nose_and_eyes(anatomy: Anatomy) -> Floats:
     """
     face = head_surface(anatomy)
     middle = face.vertices_m[np.abs(face.vertices_m[:, 1]) < 1e-9]
-    y = EYE_Y * anatomy.head_breadth_m / 2 / _HALF_BREADTH_M
-    z = EYE_Z * anatomy.head_height_m / 2 / _HALF_HEIGHT_M
+    _, y, z = scaled(np.array([0.0, EYE_Y, EYE_Z]), anatomy).tolist()
     eyes = [np.array([_foremost(face, side * y, z), side * y, z]) for side in (1.0, -1.0)]
     return np.array([middle[np.argmax(middle[:, 0])], *eyes])
 

@@ -15,6 +15,7 @@ from sim.surfaces import textures
 from sim.surfaces.assets import Assets, check_word, turned
 from sim.surfaces.blocks import block
 from sim.surfaces.shapes import Surface, limb, limb_ring, revolved
+from sim.surroundings.shell import FACING
 from sim.surroundings.things import DRAW, Draw
 from sim.vectors import about_y
 
@@ -243,7 +244,7 @@ def _picture(assets: Assets, body: Any, name: str, spec: ObjectSpec) -> None:
     assets.add(body, f"{name}:frame", block(spec.size_m), f"{name}:frame", ROOM)
     rim = 0.07 * min(sy, sz)
     half = (sy / 2 - rim, sz / 2 - rim)
-    assets.plane(body, name, (sx / 2 + 0.001, 0, sz / 2), half, (0.5, 0.5, 0.5, 0.5), name)
+    assets.plane(body, name, (sx / 2 + 0.001, 0, sz / 2), half, FACING, name)
 
 
 def _chair(assets: Assets, body: Any, name: str, spec: ObjectSpec) -> None:

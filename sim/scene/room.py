@@ -12,12 +12,12 @@ from sim.surfaces import textures
 from sim.surfaces.assets import Assets, Quaternion, check_word, turned
 from sim.surfaces.shapes import revolved
 from sim.surroundings.room import add_surroundings
+from sim.surroundings.seat_and_table import TOP_M, paint_table
+from sim.surroundings.shell import FACING
 from sim.vectors import about_z
 
 WALL_X, SIDE_Y, HEIGHT, FRONT_X = -1.55, 2.1, 2.7, 2.6  # the room [m]
-TOP_M = 0.028  # thickness of the table top
 AIM_M = np.array([0.1, 0.0, 0.95])  # the point at which the lights aim
-_FACING: Quaternion = (0.5, 0.5, 0.5, 0.5)  # a plane's x, y, z to the world's y, z, x
 _FROM_RIGHT: Quaternion = (0.7071068, -0.7071068, 0.0, 0.0)  # normal +y
 _FROM_LEFT: Quaternion = (0.7071068, 0.7071068, 0.0, 0.0)  # normal -y
 
@@ -46,7 +46,7 @@ def _walls(assets: Assets, room: RoomSpec) -> None:
     middle_x, half_x = (WALL_X + FRONT_X) / 2, (FRONT_X - WALL_X) / 2
     assets.plane(world, "floor", (middle_x, 0, 0), (half_x, SIDE_Y), (1, 0, 0, 0), "floor")
     z, half_z = HEIGHT / 2, HEIGHT / 2
-    assets.plane(world, "wall:back", (WALL_X, 0, z), (SIDE_Y, half_z), _FACING, "wall")
+    assets.plane(world, "wall:back", (WALL_X, 0, z), (SIDE_Y, half_z), FACING, "wall")
     assets.plane(world, "wall:right", (middle_x, -SIDE_Y, z), (half_x, half_z), _FROM_RIGHT, "wall")
     assets.plane(world, "wall:left", (middle_x, SIDE_Y, z), (half_x, half_z), _FROM_LEFT, "wall")
     assets.plain("trim", (0.74, 0.75, 0.74))
@@ -72,7 +72,7 @@ def _furniture(assets: Assets) -> None:
         world, "frame", (x + 0.012, y, z), (0.012, 0.33, 0.25), "frame:dark", castshadow=False
     )
     assets.box(world, "mat", (x + 0.020, y, z), (0.006, 0.30, 0.22), "mat", castshadow=False)
-    assets.plane(world, "painting", (x + 0.028, y, z), (0.25, 0.17), _FACING, "painting")
+    assets.plane(world, "painting", (x + 0.028, y, z), (0.25, 0.17), FACING, "painting")
     assets.plain("door", (0.66, 0.70, 0.72))
     assets.plain("panel", (0.60, 0.64, 0.66))
     assets.plain("metal", (0.55, 0.56, 0.58), specular=0.5, shininess=0.6)
@@ -150,9 +150,7 @@ def _furniture(assets: Assets) -> None:
 
 def _table(assets: Assets, room: RoomSpec) -> None:
     world = assets.spec.worldbody
-    picture = assets.texture("table", textures.tabletop, room.table_rgb, room.table_surface)
-    gloss = {"wood": 0.08, "cloth": 0.0, "plain": 0.12}[room.table_surface]
-    assets.painted("table", picture, specular=gloss, shininess=0.3)
+    paint_table(assets, room)
     edge = tuple(0.82 * c for c in room.table_rgb)
     assets.plain("table:edge", (edge[0], edge[1], edge[2]))
     x = room.table_near_x_m + room.table_depth_m / 2

@@ -89,12 +89,16 @@ def extremes(points: Floats, directions: int = 110) -> Floats:
     """The points (m, 3) of (n, 3) that lie outermost in one of so many directions: their hull."""
     if not len(points):
         return points
-    index = np.arange(directions) + 0.5
-    z = 1.0 - 2.0 * index / directions
-    turn = np.pi * (1.0 + 5**0.5) * index  # a golden spiral over the sphere
+    return np.asarray(points[np.unique((points @ sphere_points(directions).T).argmax(axis=0))])
+
+
+def sphere_points(count: int) -> Floats:
+    """Points (count, 3) spread evenly over the unit sphere, on a golden spiral."""
+    index = np.arange(count) + 0.5
+    z = 1.0 - 2.0 * index / count
+    turn = np.pi * (1.0 + 5**0.5) * index
     flat = np.sqrt(1.0 - z * z)
-    ways = np.column_stack([flat * np.cos(turn), flat * np.sin(turn), z])
-    return np.asarray(points[np.unique((points @ ways.T).argmax(axis=0))])
+    return np.column_stack([flat * np.cos(turn), flat * np.sin(turn), z])
 
 
 def capped(rings: Floats) -> Floats:

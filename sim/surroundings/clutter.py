@@ -11,6 +11,7 @@ from pjpdaf.arrays import Floats
 from sim.randomness import generator
 from sim.specs import RGB, ObjectSpec, RoomSpec, Surroundings
 from sim.surroundings.on_walls import colour_of
+from sim.surroundings.seat_and_table import corner_axes, far_corner
 
 BYSTANDER = "second_person"
 _TRIES = 14  # places that are tried for each thing
@@ -41,11 +42,10 @@ def outside_corner(room: RoomSpec, x_m: float, y_m: float) -> float:
     half_w, depth = room.table_width_m / 2, room.table_depth_m
     x = x_m - room.table_near_x_m
     outside = max(-x, x - depth, abs(y_m) - half_w)
-    shape = "straight" if around is None else around.table_shape
-    if shape == "straight":
+    if around is None or around.table_shape == "straight":
         return outside
-    r = {"rounded": 0.16, "half_round": 0.92}[shape] * min(depth, half_w)
-    rx, ry = min(r, 0.95 * depth), min(r, 0.995 * half_w)
+    half = np.array([depth / 2, half_w])
+    rx, ry = corner_axes(half, far_corner(around.table_shape, half))
     u, v = x - (depth - rx), abs(y_m) - (half_w - ry)
     if u > 0 and v > 0:
         return max(outside, (math.hypot(u / rx, v / ry) - 1.0) * min(rx, ry))

@@ -102,8 +102,8 @@ def add_vase(
     assets.add(wall.body, name, surface, name, 0, pos=at_m, castshadow=False)
 
 
-def add_standing_lamp(assets: Assets, wall: Wall, y: float, lit: bool) -> None:
-    """Add a lamp on a stand with a shade, that glows where it is lit."""
+def add_standing_lamp(assets: Assets, wall: Wall, y: float) -> None:
+    """Add a lamp on a stand with a shade that glows."""
     tag = f"lamp:{wall.name}"
     rng = assets.rng(tag)
     x, high = 0.28, float(rng.uniform(1.45, 1.7))
@@ -115,8 +115,7 @@ def add_standing_lamp(assets: Assets, wall: Wall, y: float, lit: bool) -> None:
     )
     wide = float(rng.uniform(0.15, 0.22))
     shade = np.array([[wide, 0], [0.6 * wide, 0.26], [0.57 * wide, 0.26], [wide - 0.006, 0.004]])
-    glow = 0.75 if lit else 0.08
-    assets.plain(f"{tag}:shade", (0.90, 0.84, 0.72), emission=glow)
+    assets.plain(f"{tag}:shade", (0.90, 0.84, 0.72), emission=0.75)
     surface = revolved(np.concatenate([shade, shade[:1]]), 24)
     assets.add(
         wall.body,

@@ -8,6 +8,7 @@ from sim.specs import RGB
 from sim.surfaces.assets import Assets
 from sim.surfaces.picture_textures import outdoors
 from sim.surfaces.shapes import Surface, closed_grid
+from sim.surroundings.on_walls import colour_of
 from sim.surroundings.shell import FACING, Wall
 
 DOOR_M, DOOR_HIGH_M = 0.98, 2.06  # breadth with its frame; height
@@ -103,13 +104,8 @@ def add_window(assets: Assets, wall: Wall, y: float, width_m: float, kind: str) 
                 body, f"{tag}:slat:{i}", at, (0.007, half, 0.0125), f"{tag}:slat", castshadow=False
             )
     if kind == "curtains":
-        hue = rng.uniform(0.15, 0.75, 3)
-        rgb = 0.5 * hue + 0.5 * hue.mean()
-        assets.cloth(
-            f"{tag}:curtain",
-            (float(rgb[0]), float(rgb[1]), float(rgb[2])),
-            str(rng.choice(["plain", "stripes"])),
-        )
+        rgb = colour_of(rng, 0.15, 0.75, 0.5)
+        assets.cloth(f"{tag}:curtain", rgb, str(rng.choice(["plain", "stripes"])))
         broad = float(rng.uniform(0.22, 0.40))
         bottom = 0.06 if rng.random() < 0.6 else low - 0.12
         for side in (-1, 1):

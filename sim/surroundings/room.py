@@ -122,7 +122,7 @@ def _add(
         z = float(rng.uniform(1.25, 1.70))
         add_picture(assets, wall, int(number), y, z, breadth_m - 0.08)
     elif kind == "lamp":
-        add_standing_lamp(assets, wall, y, lit=True)
+        add_standing_lamp(assets, wall, y)
     elif kind == "plant":
         at = (float(rng.uniform(0.28, 0.38)), y, 0.0)
         add_plant(

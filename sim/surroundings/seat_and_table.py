@@ -12,27 +12,26 @@ from sim.surfaces.blocks import block
 from sim.surfaces.shapes import Surface, capped, closed_grid
 from sim.surroundings.on_walls import colour_of
 
-_TOP_M = 0.028  # as `sim.scene.room.TOP_M`
+TOP_M = 0.028  # thickness of the table top
+# Radius of the far corners, over the lesser of the table's depth and half its width.
+_FAR_CORNERS = {"straight": 0.0, "rounded": 0.16, "half_round": 0.92}
 
 
 def add_table(assets: Assets, room: RoomSpec, around: Surroundings) -> None:
     """Add the table: straight, with rounded corners, or half round at the far side."""
     world = assets.spec.worldbody
-    picture = assets.texture("table", textures.tabletop, room.table_rgb, room.table_surface)
-    gloss = {"wood": 0.08, "cloth": 0.0, "plain": 0.12}[room.table_surface]
-    assets.painted("table", picture, specular=gloss, shininess=0.3)
+    paint_table(assets, room)
     rng = assets.rng("table:shape")
     half = np.array([room.table_depth_m, room.table_width_m]) / 2
     near = 0.0 if around.table_shape == "straight" else 0.05
-    far = {"straight": 0.0, "rounded": 0.16, "half_round": 0.92}[around.table_shape]
-    outline = _outline(half, near, far * float(min(2 * half[0], half[1])))
-    surface = _slab(outline, _TOP_M, half)
+    outline = _outline(half, near, far_corner(around.table_shape, half))
+    surface = _slab(outline, TOP_M, half)
     x, top = room.table_near_x_m + float(half[0]), room.table_height_m
-    assets.add(world, "table:top", surface, "table", 0, pos=(x, 0.0, top - _TOP_M))
+    assets.add(world, "table:top", surface, "table", 0, pos=(x, 0.0, top - TOP_M))
     leg: RGB = colour_of(rng, 0.08, 0.35, 0.8)
     assets.plain("table:leg", leg, specular=0.12)
-    z = (top - _TOP_M) / 2
-    inner = half * ((0.9, 0.9) if far < 0.5 else (0.7, 0.55))
+    z = (top - TOP_M) / 2
+    inner = half * ((0.7, 0.55) if around.table_shape == "half_round" else (0.9, 0.9))
     if around.table_legs == "four":
         for i, (sx, sy) in enumerate(((-1, -1), (-1, 1), (1, -1), (1, 1))):
             at = (x + sx * float(inner[0]), sy * float(inner[1]), z)
@@ -43,10 +42,30 @@ def add_table(assets: Assets, room: RoomSpec, around: Surroundings) -> None:
             size = (0.8 * float(inner[0]), 0.018, z)
             assets.box(world, f"table:leg:{side}", at, size, "table:leg")
     else:
-        ends = ((x, 0.0, 0.05), (x, 0.0, top - _TOP_M - 0.06))
+        ends = ((x, 0.0, 0.05), (x, 0.0, top - TOP_M - 0.06))
         assets.capsule(world, "table:leg", ends, 0.05, "table:leg")
         foot = block((0.8 * float(half[0]), 0.8 * float(half[1]), 0.03), 0.008, 0.1)
         assets.add(world, "table:foot", foot, "table:leg", 0, pos=(x, 0.0, 0.0))
+
+
+def paint_table(assets: Assets, room: RoomSpec) -> None:
+    """Add the material "table" of a table's top."""
+    picture = assets.texture("table", textures.tabletop, room.table_rgb, room.table_surface)
+    gloss = {"wood": 0.08, "cloth": 0.0, "plain": 0.12}[room.table_surface]
+    assets.painted("table", picture, specular=gloss, shininess=0.3)
+
+
+def far_corner(shape: str, half_m: Floats) -> float:
+    """Radius [m] of the far corners of a table of this shape and half depth and width (2,)."""
+    return _FAR_CORNERS[shape] * float(min(2 * half_m[0], half_m[1]))
+
+
+def corner_axes(half_m: Floats, radius_m: float) -> tuple[float, float]:
+    """Half axes [m] along the depth and the width of a corner, as far as the table has room.
+
+    A half round end is an ellipse where the table is not twice as wide as deep.
+    """
+    return min(radius_m, 1.9 * float(half_m[0])), min(radius_m, 0.995 * float(half_m[1]))
 
 
 def _outline(half_m: Floats, near_m: float, far_m: float) -> Floats:
@@ -55,9 +74,7 @@ def _outline(half_m: Floats, near_m: float, far_m: float) -> Floats:
     for quarter, (sx, sy, r) in enumerate(
         ((1, 1, far_m), (-1, 1, near_m), (-1, -1, near_m), (1, -1, far_m))
     ):
-        # A half round end is an ellipse where the table is not twice as wide as deep.
-        rx = max(min(r, 1.9 * half_m[0]), 0.004)
-        ry = max(min(r, 0.995 * half_m[1]), 0.004)
+        rx, ry = (max(axis, 0.004) for axis in corner_axes(half_m, r))
         turn = np.linspace(0, np.pi / 2, 14) + quarter * np.pi / 2
         centre = [sx * (half_m[0] - rx), sy * (half_m[1] - ry)]
         points.append(centre + np.column_stack([rx * np.cos(turn), ry * np.sin(turn)]))

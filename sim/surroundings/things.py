@@ -14,9 +14,8 @@ from sim.surfaces.picture_textures import screen
 from sim.surfaces.shapes import revolved
 from sim.surroundings.people import add_bystander
 from sim.surroundings.plants import add_plant
+from sim.surroundings.shell import FACING
 from sim.vectors import about_y
-
-_UPRIGHT = (0.5, 0.5, 0.5, 0.5)  # a plane's x, y, z to y, z, x
 
 
 def _plant(assets: Assets, body: Any, name: str, spec: ObjectSpec) -> None:
@@ -76,7 +75,7 @@ def _monitor(assets: Assets, body: Any, name: str, spec: ObjectSpec) -> None:
     assets.painted(f"{name}:screen", picture, specular=0.1, emission=0.40)
     at = (0.0156, 0.0, sz - high / 2)
     half = (sy / 2 - 0.010, high / 2 - 0.010)
-    assets.plane(body, f"{name}:screen", at, half, _UPRIGHT, f"{name}:screen")
+    assets.plane(body, f"{name}:screen", at, half, FACING, f"{name}:screen")
 
 
 def _desk_lamp(assets: Assets, body: Any, name: str, spec: ObjectSpec) -> None:

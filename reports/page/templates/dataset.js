@@ -47,7 +47,7 @@ function drawView(v, image, show) {
   ctx.fillStyle = GROUND; ctx.fillRect(0, 0, w, h);
   if (image) {
     const half = image.width / 2;
-    ctx.imageSmoothingEnabled = !["seg", "classes"].includes(layerNow) && layerNow !== "occlusion";
+    ctx.imageSmoothingEnabled = !["seg", "classes", "occlusion"].includes(layerNow);
     ctx.drawImage(image, v * half, 0, half, half * height / width, 0, 0, w, h);
   }
   if (radios.find((r) => r.value === layerNow).dataset.rectified) return;
@@ -206,11 +206,11 @@ addEventListener("keydown", (event) => {
   const at = event.target, typed = at instanceof HTMLSelectElement, pressed = at instanceof HTMLButtonElement || at.type === "checkbox";
   // A slider, a radio group and a table that scrolls have arrows of their own.
   const own = typed || at === slider || at.type === "radio" || at.closest?.(".scroll");
-  const far = event.shiftKey ? 10 : 1;
+  const far = event.shiftKey ? 10 : 1, radio = /^[0-9]$/.test(event.key) && radios[(Number(event.key) + 9) % 10];
   const moves = { ArrowLeft: now.i - far, ArrowRight: now.i + far, Home: 0, End: now.source.ms.length - 1 };
   if (event.key in moves && (!own || (at === slider && event.shiftKey))) { stop(); go(moves[event.key]); }
   else if (event.key === " " && !typed && !pressed) toggle();
-  else if (/^[0-9]$/.test(event.key) && !typed && radios[(Number(event.key) + 9) % 10]) choose(radios[(Number(event.key) + 9) % 10].value);
+  else if (radio && !typed) choose(radio.value);
   else if (/^[pn]$/i.test(event.key) && !typed) step(event.key.toLowerCase() === "n" ? 1 : -1);
   else return;
   event.preventDefault();
