@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from pjpdaf.arrays import Floats
 from pjpdaf.errors import FileError
@@ -82,3 +83,8 @@ def _points(rows: tuple[FrameRow, ...], key: str, size: int) -> Floats:
 
 def _statuses(rows: tuple[FrameRow, ...], key: str) -> NDArray[np.int64]:
     return np.array([value for row in rows for value in row[key]], np.int64)
+
+
+def rotation_of(row: FrameRow) -> Rotation:
+    """The rotation of a target or an object from its own frame to the world."""
+    return Rotation.from_quat([row[q] for q in ("qw", "qx", "qy", "qz")], scalar_first=True)

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from pjpdaf.arrays import Floats
 from pjpdaf.targets import HANDS, TARGETS
 from sim.dataset.check.fault import FrameFault
-from sim.dataset.check.frame_tables import FrameTables
+from sim.dataset.check.frame_tables import FrameTables, rotation_of
 from sim.dataset.files.layout import SKELETON
 from sim.dataset.labels.records import (
     BODY_POINTS,
@@ -18,20 +17,24 @@ from sim.dataset.labels.records import (
     HAND_JOINTS,
     HAND_SKELETONS,
     KEYPOINTS,
+    SKELETON_SLICES,
 )
 
 SAME_M, SAME_RAD = 1e-7, 1e-5  # of numbers with all their digits; an arc cosine near 0 has half
-_FIRST = {
-    BODY_SKELETON: 0,
-    **{h: len(BODY_POINTS) + i * len(HAND_JOINTS) for i, h in enumerate(HAND_SKELETONS)},
+_BY_SIDE = ("left", "right")
+# Points of the body that are as far apart in every frame.
+_RIGID_PAIRS = {
+    "length of an arm's bone": [
+        (f"{side}_{a}", f"{side}_{b}")
+        for side in _BY_SIDE
+        for a, b in (("shoulder", "elbow"), ("elbow", "wrist"))
+    ],
+    "shape of the face": [("nose", f"{side}_{p}") for side in _BY_SIDE for p in ("eye", "ear")],
 }
-_HEAD_POINTS = [BODY_POINTS.index(f"{s}_{p}") for s in ("left", "right") for p in ("eye", "ear")]
-# Bones that are as long in every frame.
-_ARMS = [
-    (BODY_POINTS.index(f"{side}_{a}"), BODY_POINTS.index(f"{side}_{b}"))
-    for side in ("left", "right")
-    for a, b in (("shoulder", "elbow"), ("elbow", "wrist"))
-]
+_RIGID_INDICES = {
+    kind: np.array([[BODY_POINTS.index(point) for point in pair] for pair in pairs])
+    for kind, pairs in _RIGID_PAIRS.items()
+}
 
 
 def check_skeletons(name: str, tables: list[FrameTables]) -> Iterator[FrameFault]:
@@ -46,30 +49,19 @@ def check_skeletons(name: str, tables: list[FrameTables]) -> Iterator[FrameFault
 def _differences(frame: FrameTables, first: FrameTables) -> Iterator[tuple[str, float, float, str]]:
     """Kind, greatest difference, tolerance and unit of each comparison of a frame."""
     places, before = frame.skeleton_m, first.skeleton_m
-    body = slice(0, len(BODY_POINTS))
-    arms = np.array(_ARMS)
-    yield (
-        "length of an arm's bone",
-        _worst(_lengths(places[body], arms) - _lengths(before[body], arms)),
-        SAME_M,
-        "m",
-    )
-    nose = [[0, k] for k in _HEAD_POINTS]
-    yield (
-        "shape of the face",
-        _worst(_lengths(places[body], np.array(nose)) - _lengths(before[body], np.array(nose))),
-        SAME_M,
-        "m",
-    )
+    body, body_before = (points[SKELETON_SLICES[BODY_SKELETON]] for points in (places, before))
+    for kind, pairs in _RIGID_INDICES.items():
+        off_m = _worst(_lengths(body, pairs) - _lengths(body_before, pairs))
+        yield kind, off_m, SAME_M, "m"
     for h, (target, hand) in enumerate(zip(HANDS, HAND_SKELETONS, strict=True)):
-        joints, start = (_joints(points, hand) for points in (places, before))
+        joints, start = (points[SKELETON_SLICES[hand]] for points in (places, before))
         named = dict(zip(HAND_JOINTS, joints, strict=True))
         shared = [k for k, (t, p) in enumerate(KEYPOINTS) if t == target and p in named]
         own = np.array([named[KEYPOINTS[k][1]] for k in shared])
         off_m = _worst(frame.keypoints_m[shared] - own)
         yield f"wrist and tips of {hand} in truth.parquet", off_m, SAME_M, "m"
         side = hand.partition("_")[0]
-        wrist = places[BODY_POINTS.index(f"{side}_wrist")]
+        wrist = body[BODY_POINTS.index(f"{side}_wrist")]
         yield f"{side}_wrist of {BODY_SKELETON}", _worst(wrist - joints[0]), SAME_M, "m"
         bones, bones_before = _bones(joints), _bones(start)
         off_m = _worst(np.linalg.norm(bones, axis=-1) - np.linalg.norm(bones_before, axis=-1))
@@ -85,11 +77,6 @@ def _differences(frame: FrameTables, first: FrameTables) -> Iterator[tuple[str, 
         yield f"finger_angles_rad of {hand}, in the palm", off_rad, SAME_RAD, "rad"
 
 
-def _joints(points: Floats, skeleton: str) -> Floats:
-    first = _FIRST[skeleton]
-    return points[first : first + len(HAND_JOINTS)]
-
-
 def _bones(joints: Floats) -> Floats:
     """The three bones (5, 3, 3) of each finger, from joint to joint, world [m]."""
     return np.diff(joints[1:].reshape(5, 4, 3), axis=1)
@@ -97,8 +84,7 @@ def _bones(joints: Floats) -> Floats:
 
 def _in_palm(frame: FrameTables, target: str, bones: Floats) -> Floats:
     """The first bones (5, 3) of the fingers in the hand's frame."""
-    row = frame.rows[TARGETS.index(target)]
-    turn = Rotation.from_quat([row[q] for q in ("qw", "qx", "qy", "qz")], scalar_first=True)
+    turn = rotation_of(frame.rows[TARGETS.index(target)])
     return np.asarray(turn.inv().apply(bones[:, 0]))
 
 

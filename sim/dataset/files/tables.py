@@ -10,7 +10,7 @@ import pyarrow as pa
 
 from pjpdaf.targets import TARGETS
 from sim.dataset.labels.instances import Instances
-from sim.dataset.labels.records import HAND_SKELETONS, KEYPOINTS, SKELETONS, FrameLabels
+from sim.dataset.labels.records import HAND_SKELETONS, KEYPOINTS, SKELETON_SLICES, FrameLabels
 from sim.scene.world import CAMERAS
 from sim.truth import Truth, ViewTruth
 
@@ -156,9 +156,7 @@ def object_rows(truth: Truth, labels: FrameLabels) -> list[dict[str, Any]]:
 def skeleton_rows(truth: Truth, labels: FrameLabels) -> list[dict[str, Any]]:
     """Rows of a frame for skeletons.parquet, one per skeleton; only hands have finger angles."""
     rows: list[dict[str, Any]] = []
-    first = 0
-    for name, points in SKELETONS.items():
-        own = slice(first, first + len(points))
+    for name, own in SKELETON_SLICES.items():
         of_hand = name in HAND_SKELETONS
         angles = labels.finger_angles_rad[HAND_SKELETONS.index(name)].tolist() if of_hand else []
         rows.append(
@@ -175,7 +173,6 @@ def skeleton_rows(truth: Truth, labels: FrameLabels) -> list[dict[str, Any]]:
                 f"points_{view}_px": [_pair(p) for p in view_labels.skeleton_px[own]],
                 f"point_status_{view}": view_labels.skeleton_status[own].tolist(),
             }
-        first = own.stop
     return rows
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +56,13 @@ BODY_SKELETON, HAND_SKELETONS = "person", ("right_hand", "left_hand")
 SKELETONS: dict[str, tuple[str, ...]] = {
     BODY_SKELETON: BODY_POINTS,
     **dict.fromkeys(HAND_SKELETONS, HAND_JOINTS),
+}
+# Where the points of each skeleton are among those of all, one skeleton after the other.
+SKELETON_SLICES = {
+    name: slice(end - len(points), end)
+    for (name, points), end in zip(
+        SKELETONS.items(), accumulate(map(len, SKELETONS.values())), strict=True
+    )
 }
 # Status of a keypoint in a view, as in COCO.
 NOT_LABELLED, OCCLUDED, VISIBLE = 0, 1, 2

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pjpdaf.arrays import Floats
 from pjpdaf.targets import HEAD, TARGETS
 from sim.dataset.check.frame_tables import FrameTables
-from sim.dataset.labels.records import KEYPOINTS, NOT_LABELLED, SKELETONS
+from sim.dataset.labels.records import KEYPOINTS, NOT_LABELLED, SKELETON_SLICES
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
@@ -79,11 +79,7 @@ def _points(tables: list[FrameTables]) -> dict[str, Floats]:
         np.array([[frame.skeleton_status[v] for frame in tables] for v in views]),
     )
     points = {TARGETS[HEAD]: keypoints[:, :, [t == HEAD for t, _ in KEYPOINTS]]}
-    first = 0
-    for name, named in SKELETONS.items():
-        points[name] = skeletons[:, :, first : first + len(named)]
-        first += len(named)
-    return points
+    return points | {name: skeletons[:, :, own] for name, own in SKELETON_SLICES.items()}
 
 
 def _triples(pixels: Floats, status: NDArray[np.int64]) -> Floats:

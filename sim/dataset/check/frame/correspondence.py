@@ -11,11 +11,11 @@ from sim.dataset.check.frame.arrays import present
 from sim.dataset.check.frame.closing import LEAST_CLOSED
 from sim.dataset.check.frame.disparity import LEAST_RIGHT, STEP
 from sim.dataset.check.frame.pixel_rays import (
-    CLOSES_PX,
+    HOME_PX,
     inside,
     most,
+    off_home,
     positions,
-    sample,
     select,
     straight,
 )
@@ -65,11 +65,10 @@ def check_correspondence(view: FrameView) -> Iterator[Fault]:
     back = present(view.other.matches.places_px)
     going = (flag == SEEN) & inside(targets, other_rays.size)
     start, there = positions(at)[going], targets[going]
-    home = np.column_stack([sample(back[..., i], there) for i in (0, 1)])
-    known = np.isfinite(home).all(axis=1)
-    off = np.linalg.norm(home - start, axis=1)[known]
-    off = off[most(straight(back, there)[known])]
-    share = float(np.mean(off <= CLOSES_PX + 2 / FLOW_SCALE)) if len(off) >= FEW else 1.0
+    off = off_home(back, there, start)
+    known = np.isfinite(off)
+    off = off[known][most(straight(back, there)[known])]
+    share = float(np.mean(off <= HOME_PX)) if len(off) >= FEW else 1.0
     if share < LEAST_CLOSED:
         other_camera = CAMERAS[1 - view.view]
         text = f"to {other_camera} and back, {1 - share:.1%} of its pixels do not close"

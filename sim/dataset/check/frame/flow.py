@@ -15,17 +15,18 @@ from sim.dataset.check.frame.correspondence import REACH_PX
 from sim.dataset.check.frame.disparity import LEAST_RIGHT
 from sim.dataset.check.frame.pixel_rays import (
     CLOSES_PX,
+    HOME_PX,
     PixelIndex,
     corners,
     inside,
     most,
+    off_home,
     positions,
-    sample,
     select,
     straight,
 )
 from sim.dataset.check.frame.view import FEW, FrameView, is_static
-from sim.dataset.check.frame_tables import FrameTables
+from sim.dataset.check.frame_tables import FrameTables, rotation_of
 from sim.dataset.files.layout import DEPTH_UNIT_M, FLOW_SCALE
 from sim.dataset.labels.instances import FIRST_OBJECT
 from sim.dataset.labels.records import NO_SURFACE, OUT_OF_FRAME, SEEN, Matches
@@ -87,12 +88,8 @@ def _rigid_parts(one: FrameTables, other: FrameTables) -> Iterator[tuple[str, in
         for o, (a, b) in enumerate(zip(one.objects, other.objects, strict=True))
     ]
     for name, identity, before, after in rows:
-        turns = [
-            Rotation.from_quat([row[q] for q in ("qw", "qx", "qy", "qz")], scalar_first=True)
-            for row in (before, after)
-        ]
+        turn = rotation_of(after) * rotation_of(before).inv()
         places = [np.array([row[f"{axis}_m"] for axis in "xyz"]) for row in (before, after)]
-        turn = turns[1] * turns[0].inv()
 
         def move(points: Floats, turn: Rotation = turn, places: list[Floats] = places) -> Floats:
             return np.asarray(turn.apply(points - places[0]) + places[1])
@@ -130,11 +127,10 @@ def _closed_share(
     seg = present(here.own.seg)[own]
     same = (corners(present(there.own.seg), there_px) == seg).all(axis=0)
     places_back = present(back.places_px)
-    home = np.column_stack([sample(places_back[..., i], there_px) for i in (0, 1)])
-    same &= np.isfinite(home).all(axis=1)
+    off = off_home(places_back, there_px, positions(own))
+    same &= np.isfinite(off)
     if np.count_nonzero(same) < FEW:
         return None
     # Between fingers, or bone and bone, the flow bends: only where it is straight does it close.
     chosen = most(straight(places_back, there_px[same]))
-    off = np.linalg.norm(home - positions(own), axis=1)[same][chosen]
-    return float(np.mean(off <= CLOSES_PX + 2 / FLOW_SCALE))
+    return float(np.mean(off[same][chosen] <= HOME_PX))

@@ -16,6 +16,7 @@ from sim.lens import ideal_pixels
 LEAST_CHOSEN = 0.5  # of pixels; off edges lay 73 % and more at 160 x 120, 65 % and more at 64 x 48
 PixelIndex = tuple[NDArray[np.intp], NDArray[np.intp]]  # rows (n,), columns (n,)
 CLOSES_PX = 0.05
+HOME_PX = CLOSES_PX + 2 / FLOW_SCALE  # there and back by places as they are written
 JUMP_PX = 1.0  # of disparity from one pixel to the next; more is an edge
 
 
@@ -141,10 +142,19 @@ def bends(picture: NDArray[np.floating]) -> Floats:
     return np.asarray(np.nan_to_num(np.maximum(down, across), nan=np.inf))
 
 
+def off_home(places_px: NDArray[np.floating], pixels: Floats, home_px: Floats) -> Floats:
+    """How far (n,) [px] from home (n, 2) a picture of places (h, w, 2) leads positions (n, 2).
+
+    NaN where a place around the position is unknown.
+    """
+    led = np.column_stack([sample(places_px[..., i], pixels) for i in (0, 1)])
+    return np.asarray(np.linalg.norm(led - home_px, axis=1))
+
+
 def straight(places_px: NDArray[np.floating], pixels: Floats) -> NDArray[np.bool_]:
     """Which positions (n, 2) lie on no edge or crease of a picture of places (h, w, 2) [px]."""
     bend_px = np.maximum(*(bends(places_px[..., i]) for i in (0, 1)))
-    return np.asarray(corners(bend_px, pixels).max(axis=0) <= 2 * (CLOSES_PX + 2 / FLOW_SCALE))
+    return np.asarray(corners(bend_px, pixels).max(axis=0) <= 2 * HOME_PX)
 
 
 def most(chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
