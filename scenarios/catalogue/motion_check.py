@@ -19,7 +19,7 @@ from scenarios.spec.scenario import Scenario
 from sim.contact.contact import Unposable
 from sim.families.plugged import own_motion
 from sim.motion.measure import FASTEST_MPS
-from sim.motion.motion import MotionPlan, Performer
+from sim.motion.motion import MotionPlan, performer_of
 from sim.motion.opening import OPENING_S, OPENINGS
 from sim.motion.stage import STILL_S, Value
 from sim.motion.strokes import HandState
@@ -76,9 +76,7 @@ def _planned(probe: Probe, scenario: Scenario, seed: int) -> Performance:
 
 
 def _plan(performance: Performance) -> MotionPlan:
-    script = performance.script
-    assert isinstance(script, Performer)
-    return script.plan
+    return performer_of(performance.script).plan
 
 
 def _end_s(performance: Performance) -> float:

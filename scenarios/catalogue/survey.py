@@ -13,11 +13,10 @@ from scenarios.spec.draw import MOST_JUDGED, perform
 from scenarios.spec.scenario import Scenario
 from sim.contact.contact import ALLOWED_PENETRATION_M
 from sim.motion.measure import ALLOWED_SHORT_M, Measures, Speeds, measure
-from sim.motion.motion import Performer
+from sim.motion.motion import performer_of
 from sim.motion.stage import Value
 from sim.person.kinematics import MAX_STRETCH
-from sim.scene.extras import WithExtras
-from sim.script import Performance, Script
+from sim.script import Performance
 
 
 @dataclass(frozen=True)
@@ -120,12 +119,3 @@ def frame_times(performance: Performance) -> list[float]:
     last_s = (performance.frames - 1) / performance.fps
     times: list[float] = np.linspace(0.0, last_s, min(performance.frames, MOST_JUDGED)).tolist()
     return times
-
-
-def performer_of(script: Script) -> Performer:
-    """The performer of a script, without the movers beside it."""
-    while isinstance(script, WithExtras):
-        script = script.script
-    if not isinstance(script, Performer):
-        raise TypeError(f"cannot measure a script of type {type(script).__name__}")
-    return script

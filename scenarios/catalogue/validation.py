@@ -10,8 +10,7 @@ from scenarios.spec.loader import load_scenario_file
 from scenarios.spec.motion.script import ScriptMotion
 from scenarios.spec.scenario import Scenario
 from sim.contact.contact import Unposable
-from sim.motion.motion import Performer
-from sim.scene.extras import WithExtras
+from sim.motion.motion import performer_of
 
 SEED = 0
 
@@ -34,10 +33,7 @@ def _script_told(scenario: Scenario, motion: ScriptMotion) -> str:
     except Unposable as fault:
         # The first draw's reason begins with the place in the file.
         raise Unposable(fault_of_draw(scenario, SEED) or str(fault)) from None
-    script = performance.script
-    performer = script.script if isinstance(script, WithExtras) else script
-    assert isinstance(performer, Performer)
-    over_s = max(step.to_s for step in performer.plan.steps)
+    over_s = max(step.to_s for step in performer_of(performance.script).plan.steps)
     length_s = performance.frames / performance.fps
     told = f"{count(len(motion.steps), 'step')}, over at {over_s:.1f} s of {length_s:.1f} s"
     return told if over_s <= length_s else f"{told}: the end is cut off"

@@ -21,7 +21,7 @@ from scenarios.spec.surroundings import PARAMETERS, RIG, VARIED, surroundings_of
 from scenarios.spec.things import off_the_table, second_person, with_clutter
 from sim.contact.contact import Unposable
 from sim.motion.measure import MotionFault, fault_of
-from sim.motion.motion import Performer
+from sim.motion.motion import Performer, performer_of
 from sim.motion.opening import with_opening
 from sim.motion.stage import Stage, Value, Values
 from sim.randomness import generator
@@ -245,9 +245,7 @@ def judged(performance: Performance) -> str | None:
     Twins are not looked at (`fault_of_draw`). The poses are judged, not the frames: alike at any
     frame rate.
     """
-    script = performance.script
-    performer = script.script if isinstance(script, WithExtras) else script
-    assert isinstance(performer, Performer)
+    performer = performer_of(performance.script)
     duration_s = _duration_s(performance.frames, performance.fps)
     times_s = _judged_times(duration_s)
     if performer.scene.room.surroundings is not None:

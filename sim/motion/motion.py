@@ -20,6 +20,8 @@ from sim.motion.posture import posture
 from sim.motion.strokes import HandState, Wobble, minimum_jerk
 from sim.person.kinematics import Arm, shoulders, solve_arm
 from sim.pose import Pose, Transform
+from sim.scene.extras import WithExtras
+from sim.script import Script
 from sim.specs import RoomSpec, SceneSpec
 from sim.surroundings.seat_and_table import TOP_M
 from sim.vectors import about_z
@@ -277,3 +279,12 @@ class Performer:
         named = [cue.name for cue in self.plan.cues if cue.from_s <= t_s < cue.to_s]
         held = [f"hold:{h.name}" for h in self.plan.holds if h.from_s <= t_s < h.to_s]
         return tuple(named + held)
+
+
+def performer_of(script: Script) -> Performer:
+    """The performer of a script, without the movers beside it. Raises TypeError."""
+    while isinstance(script, WithExtras):
+        script = script.script
+    if not isinstance(script, Performer):
+        raise TypeError(f"a script of type {type(script).__name__} has no performer")
+    return script

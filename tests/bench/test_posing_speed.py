@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scenarios.catalogue.survey import performer_of
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
 from sim.motion.measure import fault_of, measure
+from sim.motion.motion import performer_of
 
 # At rest, at work, touching, arms crossed, both hands on the head.
 MOMENTS = ("one_hand_idle", "natural_table", "bounce", "cross", "both_hands_to_head")

@@ -53,11 +53,7 @@ def script_faults(
                 f"{path}.side",
                 f"must be right, left, or a parameter that is either, got {given.side!r}{hint}",
             )
-        for field, value, unit, ends in (
-            *((f"at.{k}", v, "m", (-2.0, 2.0)) for k, v in enumerate(given.at)),
-            *((f"size.{k}", v, "m", (0.005, 1.0)) for k, v in enumerate(given.size or ())),
-            ("turn", given.turn, "rad", (-3.15, 3.15)),
-        ):
+        for field, value, unit, ends in given.quantities():
             fault = _number_fault(value, unit, ends, parameters)
             if fault:
                 yield ScriptFault(f"{path}.{field}", fault)
@@ -88,10 +84,11 @@ def used_parameters(motion: ScriptMotion) -> set[str]:
     """Names of the parameters that steps and objects refer to."""
     used = {step.who.removeprefix(OTHER) for step in motion.steps}
     used |= {given.side for given in motion.objects.values()}
-    numbers = [(v, u) for step in motion.steps for _, v, u, _ in quantities(step)]
-    for given in motion.objects.values():
-        numbers += [(v, "m") for v in (*given.at, *(given.size or ()))] + [(given.turn, "rad")]
-    return used | {name for v, u in numbers for _, name in expression_of(v, u).terms}
+    numbers = itertools.chain(
+        *(quantities(step) for step in motion.steps),
+        *(given.quantities() for given in motion.objects.values()),
+    )
+    return used | {name for _, v, u, _ in numbers for _, name in expression_of(v, u).terms}
 
 
 def _step_faults(

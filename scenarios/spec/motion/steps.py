@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import Field, SerializerFunctionWrapHandler, create_model, model_serializer
 
 from scenarios.spec.motion.expression import expression_of, quantity_type
-from scenarios.spec.motion.targets import TargetFields
+from scenarios.spec.motion.targets import LENGTH, Quantified, TargetFields
 from scenarios.spec.parameters.record import Name, Record, Text
 from sim.families.gestures.gesture import (
     BOTH,
@@ -26,14 +26,13 @@ from sim.families.gestures.registry import GESTURES
 from sim.motion.stage import STILL_S, Values
 
 LONGEST_S = 20_000.0
+TIMES = {"at": (STILL_S, LONGEST_S), "wait": (0.0, LONGEST_S)}
 if TYPE_CHECKING:
     Moment = float | str
     Wait = float | str
 else:
-    Moment = quantity_type("s", STILL_S, LONGEST_S, "when it begins, from the episode's start")
-    Wait = quantity_type("s", 0.0, LONGEST_S, "stillness before it")
-
-TIMES = {"at": ("s", STILL_S, LONGEST_S), "wait": ("s", 0.0, LONGEST_S)}
+    Moment = quantity_type("s", *TIMES["at"], "when it begins, from the episode's start")
+    Wait = quantity_type("s", *TIMES["wait"], "stillness before it")
 
 
 class StepFields(Record):
@@ -112,12 +111,12 @@ else:
     AnyStep = Annotated[_union, Field(discriminator="do")]
 
 
-def quantities(step: StepFields) -> Iterator[tuple[str, float | str, str, tuple[float, float]]]:
-    """Yield all numbers of a step: dotted path, value, base unit, least and greatest."""
-    for name, (unit, *ends) in TIMES.items():
+def quantities(step: StepFields) -> Iterator[Quantified]:
+    """Yield all numbers of a step."""
+    for name, ends in TIMES.items():
         value = getattr(step, name)
         if value is not None:
-            yield name, value, str(unit), (float(ends[0]), float(ends[1]))
+            yield name, value, "s", ends
     for field in GESTURES[step.do].fields:
         value = getattr(step, field.name)
         if value is None:
@@ -127,7 +126,7 @@ def quantities(step: StepFields) -> Iterator[tuple[str, float | str, str, tuple[
         elif isinstance(field, Place):
             for part in ("table", "by"):
                 for axis, length in enumerate(getattr(value, part) or ()):
-                    yield f"{field.name}.{part}.{axis}", length, "m", (-2.0, 2.0)
+                    yield f"{field.name}.{part}.{axis}", length, "m", LENGTH
 
 
 def numbers_of(step: StepFields, values: Values) -> dict[str, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -22,6 +22,8 @@ KINDS: Mapping[str, tuple[tuple[float, float, float], tuple[float, float, float]
     "block": ((0.060, 0.060, 0.060), (0.30, 0.32, 0.34)),
 }
 
+# Least and greatest: of places [m], of an object's extents [m], of its turn [rad].
+LENGTH, EXTENT, TURN = (-2.0, 2.0), (0.005, 1.0), (-3.15, 3.15)
 if TYPE_CHECKING:
     Length = float | str
     Extent = float | str
@@ -29,11 +31,13 @@ if TYPE_CHECKING:
     BodyPoint = str
     ObjectKind = str
 else:
-    Length = quantity_type("m", -2.0, 2.0)
-    Extent = quantity_type("m", 0.005, 1.0)
-    Angle = quantity_type("rad", -3.15, 3.15, "turned about the vertical")
+    Length = quantity_type("m", *LENGTH)
+    Extent = quantity_type("m", *EXTENT)
+    Angle = quantity_type("rad", *TURN, "turned about the vertical")
     BodyPoint = Literal[BODY_POINTS]
     ObjectKind = Literal[tuple(KINDS)]
+# A number of a record: dotted path of its field, value, base unit, least and greatest.
+Quantified = tuple[str, float | str, str, tuple[float, float]]
 _BY = "ahead, outward (to the acting hand's own side) and up of it"
 
 
@@ -87,3 +91,11 @@ class ObjectFields(Record):
         | None
     ) = None
     turn: Angle = 0.0
+
+    def quantities(self) -> Iterator[Quantified]:
+        """Yield all its numbers."""
+        for axis, length in enumerate(self.at):
+            yield f"at.{axis}", length, "m", LENGTH
+        for axis, extent in enumerate(self.size or ()):
+            yield f"size.{axis}", extent, "m", EXTENT
+        yield "turn", self.turn, "rad", TURN

@@ -88,8 +88,7 @@ def _wave(rehearsal: Rehearsal, step: Step, side: int) -> None:
     half = 0.5 * step.number("size")
     # From the middle outward first, a little lower at both ends.
     aside = np.array([0.0, OUTWARD[side] * half, 0.0])
-    rise = {k: v for k, v in step.numbers.items() if k != "duration"}
-    lay(hand, [Leg((up,), bulge_m=RISING_M)], replace(step, numbers=rise))
+    lay(hand, [Leg((up,), bulge_m=RISING_M)], step.without_duration())
     _swing(rehearsal, step, side, aside, np.array([0.0, 0.0, 0.12 * half]))
 
 

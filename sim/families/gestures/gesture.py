@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -100,6 +100,10 @@ class Step:
     def number(self, name: str) -> float:
         """A number that the step has."""
         return self.numbers[name]
+
+    def without_duration(self) -> Step:
+        """The step at its peak speed, for a part of its way that its duration does not count."""
+        return replace(self, numbers={k: v for k, v in self.numbers.items() if k != "duration"})
 
     @property
     def title(self) -> str:

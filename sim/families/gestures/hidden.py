@@ -35,7 +35,7 @@ def _hide(rehearsal: Rehearsal, step: Step, side: int) -> None:
     It is on the line from a camera (both: from the middle between them) through the object's axis.
     """
     stage, name = rehearsal.stage, step.words["object"]
-    spec, place = rehearsal.object_named(name), rehearsal.places[name]
+    spec, place = rehearsal.object_named(name)
     cameras = stereo_rig(stage.scene.rig).cameras
     centres = {view: camera.centre_w for view, camera in zip(CAMERAS, cameras, strict=True)}
     centres["both"] = 0.5 * (centres[CAMERAS[0]] + centres[CAMERAS[1]])
@@ -54,8 +54,7 @@ def _hide(rehearsal: Rehearsal, step: Step, side: int) -> None:
     hand = rehearsal.hands[side]
     lay(hand, [Leg((over,), bulge_m=(0.0, 0.0, 0.04)), Leg((hidden,))], step)
     hand.wait(step.number("hold"))
-    speed = step.numbers.get("speed", 0.4)
-    lay(hand, [Leg((over,))], replace(step, numbers={"speed": speed}))
+    lay(hand, [Leg((over,))], step.without_duration())
 
 
 def _leave_view(rehearsal: Rehearsal, step: Step, side: int) -> None:

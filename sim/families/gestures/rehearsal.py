@@ -47,9 +47,9 @@ class Rehearsal:
     planned: list[PlannedStep] = field(default_factory=list)
     spans: dict[str, tuple[float, float]] = field(default_factory=dict)
 
-    def object_named(self, name: str) -> ObjectSpec:
-        """An object of the script. Raises StopIteration for a name that was not checked."""
-        return next(o for o in self.stage.scene.room.objects if o.name == name)
+    def object_named(self, name: str) -> tuple[ObjectSpec, Transform]:
+        """An object of the script and where it stands by now. Raises KeyError."""
+        return self.stage.object_named(name)[0], self.places[name]
 
     def stage_of(self, step: Step) -> Stage:
         """The stage as a family sees it whose parameters are the numbers and words of the step."""

@@ -26,7 +26,7 @@ from sim.families.gestures.rehearsal import Load, Rehearsal
 from sim.families.gestures.targets import outward, point_of
 from sim.families.touching import closed, object_bars
 from sim.motion.motion import Hold
-from sim.motion.planner import curled, grasp
+from sim.motion.planner import LEAST_STROKE_S, curled, grasp
 from sim.motion.strokes import HandState
 from sim.person.kinematics import OUTWARD
 from sim.pose import Transform
@@ -40,7 +40,7 @@ _CLOSED_ON = ("cup", "box", "ball")  # objects on which fingers are closed one b
 def _grasp(rehearsal: Rehearsal, step: Step, side: int) -> None:
     """Reach for an object from outside, open, and close the hand round it."""
     name = step.words["object"]
-    spec, place = rehearsal.object_named(name), rehearsal.places[name]
+    spec, place = rehearsal.object_named(name)
     if min(spec.size_m[:2]) > _WIDEST_M:
         raise Unposable(
             f"{step.where}: object: {name} is {1000 * min(spec.size_m[:2]):.0f} mm wide, too wide "
@@ -84,7 +84,7 @@ def _carry(rehearsal: Rehearsal, step: Step, side: int) -> None:
         to = replace(load.grasp.closed.moved(moved), air=1.0)
     # From one place at the mouth to another there is nothing to go round.
     bow = np.zeros(3) if hand.state.with_head == to.with_head == 1.0 else away
-    least = step.numbers.get("least", 0.2)
+    least = step.numbers.get("least", LEAST_STROKE_S)
     lay(hand, [Leg((to,), bulge_m=bow, least_s=least)], step)
     hand.wait(step.number("hold"))
 
@@ -104,7 +104,7 @@ def _put(rehearsal: Rehearsal, step: Step, side: int) -> None:
     lay(hand, [Leg((down,), bulge_m=away)], step)
     put_s = hand.clock_s
     opened = replace(down, curls=load.grasp.open.curls)
-    speed = step.numbers.get("release_speed", 0.25)
+    speed = step.number("release_speed")
     hand.move(opened, speed, least_s=_CLOSING_S)
     hand.move(load.grasp.before.moved(moved), speed)
     rehearsal.holds.append(Hold(name, side, load.from_s, put_s))

@@ -41,8 +41,7 @@ def _touch(rehearsal: Rehearsal, step: Step, side: int) -> None:
     *before, _ = way
     lay(hand, [Leg(tuple(way))], step)
     hand.wait(step.number("hold"))
-    off = replace(step, numbers={"speed": step.numbers.get("speed", 0.4)})
-    lay(hand, [Leg(tuple(reversed(before)))], off)
+    lay(hand, [Leg(tuple(reversed(before)))], step.without_duration())
     if step.words["what"] == OTHER_HAND:
         rehearsal.hands[1 - side].until(hand.clock_s)
 

@@ -9,11 +9,12 @@ from functools import cache
 import pytest
 from rich.console import Console
 
-from scenarios.catalogue.survey import frame_times, performer_of, survey_scenario
+from scenarios.catalogue.survey import frame_times, survey_scenario
 from scenarios.catalogue.survey_table import RECORDED, survey_table
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario, scenario_names
 from sim.motion.measure import ALLOWED_SHORT_M, fault_of
+from sim.motion.motion import performer_of
 from sim.person.kinematics import (
     MAX_ADDUCTION_RAD,
     MAX_ELBOW_FLEXION_RAD,

@@ -12,8 +12,8 @@ from scenarios.spec.in_view import out_of_view
 from scenarios.spec.things import off_the_table, second_person
 from sim.contact.arm_shape import arm_shape
 from sim.contact.solids import StandingObject
-from sim.motion.motion import object_at_rest
-from sim.scene.extras import NO_EXTRAS, WithExtras
+from sim.motion.motion import object_at_rest, performer_of
+from sim.scene.extras import NO_EXTRAS
 from sim.scene.rig import stereo_rig
 from sim.surroundings.clutter import BYSTANDER, outside_corner
 
@@ -25,16 +25,12 @@ def played(request):
     return perform(planned.scenario, 0, {**planned.overrides, "clutter": 8})
 
 
-def performer_of(played):
-    return played.script.script if isinstance(played.script, WithExtras) else played.script
-
-
 def clutter(played):
     return [o for o in played.scene.room.objects if o.name.startswith("clutter_")]
 
 
 def test_arms_as_they_are_posed_touch_no_clutter(played):
-    performer, room = performer_of(played), played.scene.room
+    performer, room = performer_of(played.script), played.scene.room
     things = [
         StandingObject(o.name, o.size_m, object_at_rest(room, o.name).position_m, o.yaw_rad, False)
         for o in clutter(played)
@@ -60,7 +56,7 @@ def test_clutter_lies_on_the_table_and_apart(played):
 
 
 def test_head_and_palms_are_in_both_pictures(played):
-    performer = performer_of(played)
+    performer = performer_of(played.script)
     times = np.linspace(0.0, played.frames / played.fps, 30).tolist()
     assert out_of_view(performer, times) is None
     for camera in stereo_rig(played.scene.rig).cameras:
