@@ -91,15 +91,16 @@ def moving_shadow(
     """Somebody passes between the key light and the table: a shadow that sweeps to and fro.
 
     kind: one of SHADOWS. azimuth_rad: of the light, as in `sim.specs.RoomSpec`. duration_s: in
-    which it is to come and go. elevation_rad: of the light of
-    varied surroundings. At t = 0 the shadow is beside the person, while the background is learnt
-    there is none.
+    which it is to come and go. elevation_rad: of the light of varied surroundings, None in the
+    nominal room. At t = 0 the shadow is beside the person, while the background is learnt there is
+    none.
     """
     check_word("shadow", kind, SHADOWS)
     if kind == "none":
         return NO_EXTRAS
-    along = key_direction(azimuth_rad)
-    if elevation_rad is not None:
+    if elevation_rad is None:
+        along = key_direction(azimuth_rad)
+    else:
         along = key_way(azimuth_rad, elevation_rad)
     across = cross(along, np.array([0.0, 0.0, 1.0]))
     across /= np.linalg.norm(across)
