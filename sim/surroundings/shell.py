@@ -43,10 +43,11 @@ def add_shell(assets: Assets, room: RoomSpec, around: Surroundings) -> tuple[Wal
     accent = rng.random() < 0.4  # the back wall alone is papered, the others are painted
     assets.plain("trim", _pale(rng), specular=0.05)
     walls = []
-    for name, at, yaw, ends in (
-        ("back", (back, 0.0, 0.0), 0.0, (-W, W)),
-        ("right", (back, -W, 0.0), np.pi / 2, (-length, 0.0)),
-        ("left", (back, W, 0.0), -np.pi / 2, (0.0, length)),
+    deep = around.depth_m + 0.6  # of the side walls, as far as the cameras may see them
+    for name, at, yaw, ends, seen in (
+        ("back", (back, 0.0, 0.0), 0.0, (-W, W), (-W, W)),
+        ("right", (back, -W, 0.0), np.pi / 2, (-length, 0.0), (-deep, 0.0)),
+        ("left", (back, W, 0.0), -np.pi / 2, (0.0, length), (0.0, deep)),
     ):
         body = world.add_body(name=f"wall:{name}", pos=list(at), quat=list(turned(float(yaw))))
         size = (HEIGHT_M, ends[1] - ends[0])
@@ -63,8 +64,7 @@ def add_shell(assets: Assets, room: RoomSpec, around: Surroundings) -> tuple[Wal
         for part, z, high in (("skirting", 0.05, 0.05), ("cornice", HEIGHT_M - 0.03, 0.03)):
             at_m, half_m = (0.007, middle, z), (0.007, size[1] / 2, high)
             assets.box(body, f"{part}:{name}", at_m, half_m, "trim", castshadow=False)
-        seen = (-around.depth_m - 0.6, 0.0) if name == "right" else (0.0, around.depth_m + 0.6)
-        walls.append(Wall(name, body, ends if name == "back" else seen))
+        walls.append(Wall(name, body, seen))
     return walls[0], walls[1], walls[2]
 
 
