@@ -24,10 +24,7 @@ from sim.person.torso import add_torso
 from sim.pose import SIDES
 from sim.specs import Appearance
 from sim.surfaces.assets import Assets, check_word, turned
-from sim.surfaces.shapes import (
-    Surface,
-    limb,
-)
+from sim.surfaces.shapes import Surface, limb
 from sim.surfaces.textures import PATTERNS
 
 
@@ -55,7 +52,7 @@ def add_person(assets: Assets, anatomy: Anatomy, appearance: Appearance) -> None
     add_torso(assets, bodies["torso"], anatomy, shirt)
     _legs(assets, anatomy)
     _head(assets, bodies["head"], anatomy, appearance)
-    chain = fingers(anatomy)
+    chain = tuple((finger, finger.segments()) for finger in fingers(anatomy))
     palm = palm_surface(anatomy)
     for side, target in zip(SIDES, HAND_TARGETS, strict=True):
         add_arm(
@@ -174,9 +171,9 @@ def _hand(
     side: str,
     target: int,
     palm: Surface,
-    chain: tuple[Finger, ...],
+    chain: tuple[tuple[Finger, tuple[Surface, ...]], ...],
 ) -> None:
-    """Palm and fingers; the left hand is the right hand mirrored in y."""
+    """Palm and fingers with their segments; the left hand is the right hand mirrored in y."""
     group = TARGET_GROUPS[target]
     left = side == "left"
     flip = np.diag([1.0, -1.0, 1.0]) if left else np.eye(3)
@@ -185,12 +182,12 @@ def _hand(
     extent = palm.vertices_m.max(axis=0) - palm.vertices_m.min(axis=0)
     core = (0.36 * extent[0], 0.34 * extent[1], 0.22 * extent[2])
     assets.ellipsoid(body, f"core:palm:{side}", (-0.15 * extent[0], 0.0, 0.0), core, "skin", group)
-    for finger in chain:
+    for finger, segments in chain:
         rotation = flip @ finger.rotation @ flip
         # An axis is an axial vector: a mirror reverses it within the mirror's plane.
         axis = -(flip @ finger.axis) if left else finger.axis
         parent, offset = body, flip @ finger.base_m
-        for i, surface in enumerate(finger.segments()):
+        for i, surface in enumerate(segments):
             name = f"{finger.name}{i}:{side}"
             placed = {"pos": offset.tolist()}
             if i == 0:
