@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from sim.surfaces.shapes import Surface
@@ -17,4 +19,4 @@ def tailored(surface: Surface, axis: int, share: float = SLEEVE_SHARE) -> Surfac
     """
     along = -surface.vertices_m[:, axis] / SHIRT_M
     uv = np.column_stack([surface.uv[:, 0] * share, along - along.min()])
-    return Surface(surface.vertices_m, surface.normals, uv, surface.faces)
+    return replace(surface, uv=uv)

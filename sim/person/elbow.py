@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from pjpdaf.arrays import Floats
@@ -51,4 +53,4 @@ def sleeve_below(surface: Surface, radius_m: float) -> Surface:
 
 def _clothed(surface: Surface, along_m: Floats, around: Floats) -> Surface:
     uv = np.column_stack([around * SLEEVE_SHARE, 1.0 + along_m / SHIRT_M])
-    return Surface(surface.vertices_m, surface.normals, uv, surface.faces)
+    return replace(surface, uv=uv)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -91,7 +91,7 @@ def _textured(grid_m: Floats, combed: str) -> Surface:
         uv = np.column_stack([x / 0.22 + 0.5 - z / 0.5, np.abs(y - _PART_Y_M) / 0.2])
     else:
         return surface
-    return Surface(surface.vertices_m, surface.normals, uv, surface.faces)
+    return replace(surface, uv=uv)
 
 
 @lru_cache(maxsize=8)

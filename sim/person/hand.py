@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -72,7 +72,7 @@ class Finger:
         along = grid[..., 0] - grid[0, 0, 0]
         round_ = np.broadcast_to(np.linspace(0.0, 1.0, _SIDES + 1), along.shape)
         uv = strip_uv(FINGERS.index(self.name), segment, along / along.max(), round_)[::-1]
-        return Surface(surface.vertices_m, surface.normals, uv.reshape(-1, 2), surface.faces)
+        return replace(surface, uv=uv.reshape(-1, 2))
 
 
 # Of the three segments: how much narrower than a cone, flatter on the back, fuller inside they are.

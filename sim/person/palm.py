@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -44,7 +45,7 @@ def palm_mesh(grid_m: Floats, uv: Floats) -> Surface:
     """The surface of a palm's grid with texture coordinates (rings, columns, 2) of its points."""
     surface = closed_grid(capped(grid_m)[::-1])
     ends = np.concatenate([uv[:1], uv, uv[-1:]])[::-1]
-    return Surface(surface.vertices_m, surface.normals, ends.reshape(-1, 2), surface.faces)
+    return replace(surface, uv=ends.reshape(-1, 2))
 
 
 def distance(points_m: Floats) -> Floats:

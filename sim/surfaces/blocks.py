@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from pjpdaf.arrays import Floats
@@ -37,7 +39,7 @@ def block(
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(rings[2], axis=0), axis=1))])
     sides = np.dstack([np.broadcast_to(way / span, height.shape), 1 - height / span])
     sides[:2], sides[-2:] = flat[:2], flat[-2:]
-    return Surface(surface.vertices_m, surface.normals, sides.reshape(-1, 2), surface.faces)
+    return replace(surface, uv=sides.reshape(-1, 2))
 
 
 def _outline(half_x: float, half_y: float, corner: float) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -149,7 +149,7 @@ def revolved(profile_m: Floats, sides: int = 32) -> Surface:
     surface = closed_grid(grid[::-1])
     z = surface.vertices_m[:, 2]
     uv = np.column_stack([surface.uv[:, 0], (z.max() - z) / np.ptp(z)])
-    return Surface(surface.vertices_m, surface.normals, uv, surface.faces)
+    return replace(surface, uv=uv)
 
 
 def ellipsoid(half_m: Floats, sides: int = 18, rings: int = 10) -> Surface:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from pjpdaf.arrays import Floats
@@ -97,7 +99,7 @@ def _slab(outline_m: Floats, thickness_m: float, half_m: Floats) -> Surface:
     surface = closed_grid(capped(grid))
     x, y = surface.vertices_m[:, 0], surface.vertices_m[:, 1]
     uv = np.column_stack([0.5 + 0.5 * y / half_m[1], 0.5 - 0.5 * x / half_m[0]])
-    return Surface(surface.vertices_m, surface.normals, uv, surface.faces)
+    return replace(surface, uv=uv)
 
 
 def add_chair(assets: Assets, kind: str) -> None:
