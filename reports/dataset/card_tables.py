@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
 from html import escape
 
 from ruamel.yaml import YAML
@@ -107,8 +106,7 @@ def sequence_table(dataset: Dataset, statistics: Statistics) -> str:
 
 def identity_part(sequence: StoredSequence, part: str) -> str:
     """The digest of "room", "body" or "rig" in a sequence's recipe; "" where it has none."""
-    identity = sequence.recipe.get("identity")
-    value = identity.get(part) if isinstance(identity, Mapping) else None
+    value = sequence.identity.get(part)
     return value if isinstance(value, str) else ""
 
 

@@ -18,8 +18,8 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from pjpdaf.errors import InfrastructureError
 from sim.gl import REMEDY, functions, load_mujoco
+from sim.surroundings.lights import SHARP_M
 
-SHARP_M = 0.02  # MuJoCo's own `bulbradius`; of a light that has more, shadows have soft edges
 TEXTURED = 0.999  # alpha of a textured geom; MuJoCo takes all above 0.995 as opaque
 MOST_SHADOWS = 2  # lights with shadows
 _PICTURE_UNIT, _SHADOW_UNITS = 0, (1, 2)

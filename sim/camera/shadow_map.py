@@ -41,7 +41,7 @@ class ShadowMap:
     """
 
     def __init__(
-        self, world: World, context: Any, near_m: float, far_m: float, number: int = 0
+        self, world: World, context: Any, near_m: float, far_m: float, number: int
     ) -> None:
         mujoco = self._mujoco = load_mujoco()
         self._gl = functions()

@@ -21,9 +21,8 @@ from sim.camera.boxes import GeomBoxes
 from sim.camera.window import Window, bounds_of, joined
 
 TILE_PX = 16
-_MAP_MARGIN = (
-    0.002  # along each axis: of the shadow map's width: two texels, and what rounding may add
-)
+# Along each axis, of the shadow map's width: two texels, and what rounding may add.
+_MAP_MARGIN = 0.002
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +149,7 @@ class StillScene:
         shown: NDArray[np.bool_],
         world_to_maps: tuple[Floats, ...],
         views: tuple[StillView, ...],
-        edge_m: float = 0.0,
+        edge_m: float,
     ) -> None:
         self.views = views
         self._edge_m = edge_m

@@ -12,7 +12,7 @@ from sim.anatomy import Anatomy
 from sim.contact.capsules import Capsules
 from sim.person.hand import fingers, joint_angles
 from sim.person.kinematics import OUTWARD, Arm
-from sim.person.sleeves import ELBOW_M, WRIST_M
+from sim.person.sleeves import FORE_SLEEVE_M, WRIST_M
 
 # Bars of the palm: (across, from, to) of the average hand that `sim.person.hand` is drawn for [m].
 _PALM_BARS = (
@@ -24,8 +24,6 @@ _PALM_BARS = (
 _PALM_RADIUS = 0.0145
 _AVERAGE_BREADTH_M, _AVERAGE_PALM_M, _AVERAGE_STATURE_M = 0.0851, 0.0774, 1.72
 
-# Sleeves, as drawn for the average person: radii from the elbow to 3/4 of the way [m].
-_SLEEVE_M = (ELBOW_M, 0.0455, 0.0415, 0.036)
 _CUFF_M = 0.012  # the sleeve ends this much before the wrist, flat
 _UPPER_M = (0.0495, 0.0455)  # upper and lower half of the upper arm
 _FOREARM_POINTS = np.linspace(0.0, 1.0, 9)  # shares of the sleeve from the elbow
@@ -198,7 +196,7 @@ def _arm_shape(anatomy: Anatomy, side: int, curls: tuple[float, ...]) -> Shape:
     hand = _hand_capsules(anatomy, side, curls)
     k = anatomy.stature_m / _AVERAGE_STATURE_M
     wrist = WRIST_M * anatomy.hand_breadth_m / _AVERAGE_BREADTH_M
-    radii = np.array([*(r * k for r in _SLEEVE_M), wrist])
+    radii = np.array([*(r * k for r in FORE_SLEEVE_M), wrist])
     # The round end of the last bar stands for the cuff's flat one.
     end = 1.0 - (_CUFF_M + 0.55 * wrist) / anatomy.forearm_m
     ends = np.array([0.0, 0.25, 0.5, 0.75, end])

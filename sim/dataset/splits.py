@@ -29,8 +29,7 @@ class SplitKeys:
 
         Sequences whose recipe has no digests count as of one room and body. Raises FileError.
         """
-        identity = sequence.recipe.get("identity")
-        known = identity if isinstance(identity, Mapping) else {}
+        known = sequence.identity
         return SplitKeys(
             room=str(known.get("room", ""))[:64],
             body=str(known.get("body", ""))[:64],

@@ -125,6 +125,12 @@ class StoredSequence:
         return read_json(self.path(RECIPE))
 
     @property
+    def identity(self) -> dict[str, Any]:
+        """Digests of room, body and rig in the recipe, empty where it has none."""
+        identity = self.recipe.get("identity")
+        return identity if isinstance(identity, dict) else {}
+
+    @property
     def renderer(self) -> str:
         """Description of the renderer of its pictures, "" where the recipe has none."""
         made_with = self.recipe.get("made_with")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from sim.person.cloth import SHIRT_M
+from sim.person.cloth import SHIRT_M, SLEEVE_SHARE
 from sim.surfaces.shapes import Surface
 from sim.vectors import cross, norm
 
@@ -30,15 +30,12 @@ def _along(x: Floats, y: Floats) -> Floats:
     return np.column_stack([x, y, cross(x, y)])
 
 
-def sleeve_above(surface: Surface, length_m: float, share: float = 1 / 3) -> Surface:
-    """A sleeve along +x that ends at an elbow at length_m, clothed with the shirt's texture.
-
-    share: of the shirt's width that goes round it.
-    """
-    return _clothed(surface, length_m - surface.vertices_m[:, 0], surface.uv[:, 0], share)
+def sleeve_above(surface: Surface, length_m: float) -> Surface:
+    """A sleeve along +x that ends at an elbow at length_m, clothed with the shirt's texture."""
+    return _clothed(surface, length_m - surface.vertices_m[:, 0], surface.uv[:, 0])
 
 
-def sleeve_below(surface: Surface, radius_m: float, share: float = 1 / 3) -> Surface:
+def sleeve_below(surface: Surface, radius_m: float) -> Surface:
     """A sleeve along +x from an elbow at 0 with a round end, clothed as `sleeve_above`.
 
     On the round end, of radius_m, the cloth turns about the hinge: its weft lies in planes through
@@ -49,9 +46,9 @@ def sleeve_below(surface: Surface, radius_m: float, share: float = 1 / 3) -> Sur
     turned = np.arctan2(-x, np.abs(z))
     beside = np.arccos(np.clip(y / radius_m, -1.0, 1.0)) / (2.0 * np.pi)
     along = np.where(end, radius_m * turned, -x)
-    return _clothed(surface, along, np.where(end, beside, surface.uv[:, 0]), share)
+    return _clothed(surface, along, np.where(end, beside, surface.uv[:, 0]))
 
 
-def _clothed(surface: Surface, along_m: Floats, around: Floats, share: float) -> Surface:
-    uv = np.column_stack([around * share, 1.0 + along_m / SHIRT_M])
+def _clothed(surface: Surface, along_m: Floats, around: Floats) -> Surface:
+    uv = np.column_stack([around * SLEEVE_SHARE, 1.0 + along_m / SHIRT_M])
     return Surface(surface.vertices_m, surface.normals, uv, surface.faces)

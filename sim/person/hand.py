@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
 from sim.person.palm import palm_grid, palm_mesh
 from sim.surfaces.shapes import Surface, closed_grid, superellipse
+from sim.vectors import about_y
 
 FINGERS = ("thumb", "index", "middle", "ring", "little")
 _LENGTH, _BREADTH, _PALM = 0.1875, 0.0851, 0.0774  # of the average hand the numbers are drawn for
@@ -142,6 +144,21 @@ def _thumb(long: float, broad: float, anatomy: Anatomy) -> Finger:
 def joint_angles(finger: Finger, curl: float) -> Floats:
     """Angles (3,) [rad] of a finger at curl 0 (straight) to 1 (fist)."""
     return np.asarray(finger.straight_rad + curl * (finger.fist_rad - finger.straight_rad))
+
+
+def placed_segments(
+    finger: Finger, curl: float, joint_m: Floats, rotation: Floats
+) -> Iterator[tuple[Surface, Floats, Floats, Floats]]:
+    """Each segment of a curled finger: surface, joint (3,), rotation (3, 3), and its end (3,).
+
+    joint_m, rotation: the finger's base, and its frame when it is straight; of the right hand.
+    """
+    angles = joint_angles(finger, curl)
+    for surface, length, angle in zip(finger.segments(), finger.lengths_m, angles, strict=True):
+        rotation = rotation @ about_y(float(angle))
+        end_m = joint_m + length * rotation[:, 0]
+        yield surface, joint_m, rotation, end_m
+        joint_m = end_m
 
 
 def palm_surface(anatomy: Anatomy) -> Surface:

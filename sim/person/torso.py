@@ -43,7 +43,7 @@ def add_torso(assets: Assets, body: Any, anatomy: Anatomy, shirt: str) -> None:
         ),
         28,
     )
-    collar = tailored(collar, 2, share=1 / 3)
+    collar = tailored(collar, 2)
     assets.add(body, "collar", collar, shirt, TARGET_GROUPS[HEAD], pos=(0.004, 0.0, 0.0))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from sim.anatomy import Anatomy
 from sim.person.geoms import ROOM
-from sim.person.hand import fingers, joint_angles, palm_surface
+from sim.person.hand import fingers, palm_surface, placed_segments
 from sim.specs import RGB, ObjectSpec, RoomSpec
 from sim.surfaces import textures
 from sim.surfaces.assets import Assets, check_word, turned
@@ -17,7 +17,6 @@ from sim.surfaces.blocks import block
 from sim.surfaces.shapes import Surface, limb, limb_ring, revolved
 from sim.surroundings.shell import FACING
 from sim.surroundings.things import DRAW, Draw
-from sim.vectors import about_y
 
 
 def add_object(assets: Assets, room: RoomSpec, spec: ObjectSpec) -> None:
@@ -293,12 +292,9 @@ def _arm(assets: Assets, body: Any, name: str, spec: ObjectSpec) -> None:
     core = (0.05 * k, 0.03 * k, 0.010 * k)
     assets.ellipsoid(body, f"{name}:core", (palm_x - 0.01 * k, 0, z), core, name)
     for finger in fingers(anatomy):
-        joint, turn = finger.base_m, finger.rotation
-        angles = joint_angles(finger, 0.12)
-        for i, (surface, angle) in enumerate(zip(finger.segments(), angles, strict=True)):
-            turn = turn @ about_y(float(angle))
+        segments = placed_segments(finger, 0.12, finger.base_m, finger.rotation)
+        for i, (surface, joint, turn, tip) in enumerate(segments):
             x, y, up = (joint + at_palm).tolist()
-            qw, qx, qy, qz = assets.quaternion(turn)
             assets.add(
                 body,
                 f"{name}:{finger.name}{i}",
@@ -306,14 +302,12 @@ def _arm(assets: Assets, body: Any, name: str, spec: ObjectSpec) -> None:
                 name,
                 ROOM,
                 pos=(x, y, up),
-                quat=(qw, qx, qy, qz),
+                quat=assets.quaternion(turn),
                 castshadow=False,
             )
-            tip = joint + finger.lengths_m[i] * turn[:, 0]
             ends = (joint + at_palm, tip + at_palm)
             core_r = 0.6 * finger.radii_m[i + 1]
             assets.capsule(body, f"{name}:core:{finger.name}{i}", ends, core_r, name)
-            joint = tip
 
 
 KINDS: Mapping[str, Draw] = {

@@ -11,6 +11,7 @@ from sim.specs import RoomSpec
 from sim.surfaces import textures
 from sim.surfaces.assets import Assets, Quaternion, check_word, turned
 from sim.surfaces.shapes import revolved
+from sim.surroundings.lights import add_ambience, add_directional
 from sim.surroundings.room import add_surroundings
 from sim.surroundings.seat_and_table import TOP_M, paint_table
 from sim.surroundings.shell import FACING
@@ -186,12 +187,7 @@ def key_direction(azimuth_rad: float) -> Floats:
 
 
 def _lights(assets: Assets, room: RoomSpec) -> None:
-    """Add a light with shadows, a light without, and an ambient head light, all of the same colour.
-
-    A head light with more than an ambient part would move with the camera and light the two views
-    differently.
-    """
-    spec, kind = assets.spec, assets.mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
+    """Add a light with shadows, a light without, and an ambient one, all of the same colour."""
 
     def lit(level: float) -> list[float]:
         return [level * room.light_gain * c for c in room.light_rgb]
@@ -200,18 +196,6 @@ def _lights(assets: Assets, room: RoomSpec) -> None:
         ("key", key_direction(room.light_azimuth_rad), 0.56, True),
         ("fill", np.array([-0.90, 0.45, 0.12]), 0.20, False),
     ):
-        direction = along / np.linalg.norm(along)
-        spec.worldbody.add_light(
-            name=name,
-            type=kind,
-            pos=(AIM_M - 3.0 * direction).tolist(),
-            dir=direction.tolist(),
-            diffuse=lit(diffuse),
-            ambient=[0.0, 0.0, 0.0],
-            specular=lit(0.4 if shadow else 0.0),
-            castshadow=shadow,
-        )
-    spec.visual.headlight.active = 1
-    spec.visual.headlight.ambient = lit(0.33)
-    spec.visual.headlight.diffuse = [0.0, 0.0, 0.0]
-    spec.visual.headlight.specular = [0.0, 0.0, 0.0]
+        gloss = lit(0.4 if shadow else 0.0)
+        add_directional(assets, name, along, AIM_M, lit(diffuse), gloss, shadow)
+    add_ambience(assets, lit(0.33))

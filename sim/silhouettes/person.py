@@ -15,21 +15,24 @@ from sim.person.geoms import HAND_TARGETS
 from sim.person.hair import outline_points
 from sim.person.head import beard_points
 from sim.person.kinematics import OUTWARD
-from sim.person.sleeves import ELBOW_M, SHORT_SLEEVE, SHOULDER_M, WRIST_M
+from sim.person.sleeves import (
+    BARE_WRIST,
+    FORE_SKIN_M,
+    FORE_SLEEVE_M,
+    ROLLED_SLEEVE,
+    SHORT_SLEEVE,
+    UPPER_SKIN_M,
+    UPPER_SLEEVE_M,
+    WRIST_M,
+)
 from sim.person.torso import COLLAR_TOP_M, torso_surface
 from sim.silhouettes.pose_track import PoseTrack
 from sim.silhouettes.shapes import BARE, CLOTHED, TARGET_PAINT, Bars, Hull, bars_of, joined
 from sim.specs import RGB, Appearance
 from sim.surfaces.shapes import extremes
 
-# Radii, for the average stature, at these shares of a bone, as `sim.person.sleeves` draws them [m].
-_SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
-_FORE_CLOTH = (ELBOW_M, 0.0455, 0.0415, 0.036)
-_FORE_SKIN = (0.0360, 0.0405, 0.0365, 0.0295)
-_UPPER_CLOTH = (SHOULDER_M, 0.0490, 0.0485, 0.0450, ELBOW_M - 0.001)
-_UPPER_SKIN = (0.0380, 0.0425, 0.0410, 0.0375, 0.0350)
+_SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)  # of a bone, at which `sim.person.sleeves` has its radii
 _CUFF_M = 0.009  # a long sleeve's cuff ends this much before the wrist, flat
-_ROLLED = 0.30  # of the forearm
 _FLAT_END = 0.55  # of its radius, by which a bar is shorter than the flat end it stands for
 # Bars of the wrist of an average hand: beside the middle, along the hand.
 _WRIST_ACROSS_M, _WRIST_X_M, _WRIST_RADIUS_M = (-0.0095, 0.0095), (-0.074, -0.050), 0.0165
@@ -95,9 +98,9 @@ def _arm(track: PoseTrack, anatomy: Anatomy, sleeves: str, side: int) -> list[Ba
     shoulder, elbow = track.shoulders_m[:, side], track.elbows_m[:, side]
     fore = elbow, track.wrists_m[:, side]
     upper = shoulder, elbow
-    cloth = np.array([*(r * k for r in _FORE_CLOTH), wrist])
-    skin = np.array([*(r * k for r in _FORE_SKIN), 0.76 * wrist])
-    above, bare_above = k * np.array(_UPPER_CLOTH), k * np.array(_UPPER_SKIN)
+    cloth = np.array([*(r * k for r in FORE_SLEEVE_M), wrist])
+    skin = np.array([*(r * k for r in FORE_SKIN_M), BARE_WRIST * wrist])
+    above, bare_above = k * np.array(UPPER_SLEEVE_M), k * np.array(UPPER_SKIN_M)
     cuff = 1.0 - (_CUFF_M + _FLAT_END * wrist) / anatomy.forearm_m
     if sleeves == "long":
         return [
@@ -107,8 +110,8 @@ def _arm(track: PoseTrack, anatomy: Anatomy, sleeves: str, side: int) -> list[Ba
     if sleeves == "rolled":
         return [
             _stretch(*upper, above, (0.1, 0.5, 1.0), CLOTHED),
-            _stretch(*fore, skin, (_ROLLED, 0.65, 1.0), BARE),
-            _stretch(*fore, 1.06 * cloth, (0.0, _ROLLED - 0.1), CLOTHED),
+            _stretch(*fore, skin, (ROLLED_SLEEVE, 0.65, 1.0), BARE),
+            _stretch(*fore, 1.06 * cloth, (0.0, ROLLED_SLEEVE - 0.1), CLOTHED),
         ]
     return [
         _stretch(*fore, skin, (0.0, 0.3, 0.65, 1.0), BARE),

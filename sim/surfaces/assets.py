@@ -187,14 +187,13 @@ class Assets:
         half_m: Vector,
         material: str,
         group: int = 0,
-        yaw_rad: float = 0.0,
     ) -> None:
         """An ellipsoid by its half axes.
 
         A mesh, as all that is round: the ids and depth that are drawn of MuJoCo's own round shapes
         are not those of the shapes, which its rays meet.
         """
-        self.add(body, name, ellipsoid(np.array(half_m)), material, group, pos, turned(yaw_rad))
+        self.add(body, name, ellipsoid(np.array(half_m)), material, group, pos)
 
     def capsule(
         self,
@@ -220,15 +219,15 @@ class Assets:
         name: str,
         material: str,
         group: int,
-        pos: Vector | None,
+        pos: Vector,
         quat: Quaternion,
         kind: str,
         **extra: Any,
     ) -> None:
-        if pos is not None:
-            extra["pos"], extra["quat"] = list(pos), list(quat)
         body.add_geom(
             name=name,
+            pos=list(pos),
+            quat=list(quat),
             type=getattr(self.mujoco.mjtGeom, f"mjGEOM_{kind}"),
             material=material,
             group=group,

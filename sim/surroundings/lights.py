@@ -9,9 +9,8 @@ from sim.specs import RoomSpec, Surroundings
 from sim.surfaces.assets import Assets
 from sim.vectors import about_z
 
-# Half the width of the softest shadow's edge; the shader draws what a light's radius has more than
-# MuJoCo's own.
-MOST_SOFT_M, _OWN_M = 0.012, 0.02
+SHARP_M = 0.02  # MuJoCo's own `bulbradius`; of a light that has more, shadows have soft edges
+_MOST_SOFT_M = 0.012  # half the width of the softest shadow's edge
 _WARM, _COOL = np.array([1.10, 0.98, 0.82]), np.array([0.94, 1.0, 1.08])
 
 
@@ -28,7 +27,6 @@ def add_lights(assets: Assets, room: RoomSpec, around: Surroundings, aim_m: Floa
 
     As in the nominal room all light is directional or ambient, so that both views are lit alike.
     """
-    spec, kind = assets.spec, assets.mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
     rng = assets.rng("lights")
     key = key_way(room.light_azimuth_rad, around.light_elevation_rad)
     contrast = around.light_contrast
@@ -48,21 +46,46 @@ def add_lights(assets: Assets, room: RoomSpec, around: Surroundings, aim_m: Floa
         ("fill", aside, 0.28 - 0.14 * contrast, np.ones(3), False),
         ("lamp", lamp, 0.28 if two else 0.16, tint, two),
     ):
-        direction = way / np.linalg.norm(way)
         light = (strength * level * colour).tolist()
         gloss = (0.4 * level).tolist() if shadow else [0.0, 0.0, 0.0]
-        spec.worldbody.add_light(
-            name=name,
-            type=kind,
-            pos=(aim_m - 3.0 * direction).tolist(),
-            dir=direction.tolist(),
-            diffuse=light,
-            ambient=[0.0, 0.0, 0.0],
-            specular=gloss,
-            castshadow=shadow,
-            bulbradius=_OWN_M + (MOST_SOFT_M * around.light_softness if shadow else 0.0),
-        )
-    spec.visual.headlight.active = 1
-    spec.visual.headlight.ambient = ((0.40 - 0.08 * contrast) * level).tolist()
-    spec.visual.headlight.diffuse = [0.0, 0.0, 0.0]
-    spec.visual.headlight.specular = [0.0, 0.0, 0.0]
+        soft_m = _MOST_SOFT_M * around.light_softness if shadow else 0.0
+        add_directional(assets, name, way, aim_m, light, gloss, shadow, SHARP_M + soft_m)
+    add_ambience(assets, ((0.40 - 0.08 * contrast) * level).tolist())
+
+
+def add_directional(
+    assets: Assets,
+    name: str,
+    way: Floats,
+    aim_m: Floats,
+    diffuse: list[float],
+    specular: list[float],
+    castshadow: bool,
+    radius_m: float = SHARP_M,
+) -> None:
+    """Add a light that shines along way (3,) at aim_m (3,)."""
+    direction = way / np.linalg.norm(way)
+    assets.spec.worldbody.add_light(
+        name=name,
+        type=assets.mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        pos=(aim_m - 3.0 * direction).tolist(),
+        dir=direction.tolist(),
+        diffuse=diffuse,
+        ambient=[0.0, 0.0, 0.0],
+        specular=specular,
+        castshadow=castshadow,
+        bulbradius=radius_m,
+    )
+
+
+def add_ambience(assets: Assets, ambient: list[float]) -> None:
+    """Light all surfaces alike by the head light.
+
+    A head light with more than an ambient part would move with the camera and light the two views
+    differently.
+    """
+    headlight = assets.spec.visual.headlight
+    headlight.active = 1
+    headlight.ambient = ambient
+    headlight.diffuse = [0.0, 0.0, 0.0]
+    headlight.specular = [0.0, 0.0, 0.0]

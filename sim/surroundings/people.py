@@ -10,7 +10,7 @@ from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
 from sim.person.face import face_texture
 from sim.person.hair import hair_surface, hair_texture
-from sim.person.hand import fingers, joint_angles, palm_surface
+from sim.person.hand import fingers, palm_surface, placed_segments
 from sim.person.head import head_surface
 from sim.person.torso import torso_surface
 from sim.specs import Appearance, ObjectSpec
@@ -18,7 +18,7 @@ from sim.surfaces.assets import Assets
 from sim.surfaces.shapes import limb
 from sim.surfaces.textures import PATTERNS
 from sim.surroundings.on_walls import colour_of
-from sim.vectors import about_y, about_z, bone_frame
+from sim.vectors import about_z, bone_frame
 
 
 def add_bystander(assets: Assets, body: Any, name: str, spec: ObjectSpec) -> None:
@@ -122,13 +122,11 @@ def _hand(
         body, name, palm_surface(anatomy), skin, 0, pos=(x, y, z), quat=quat, castshadow=False
     )
     for finger in fingers(anatomy):
-        joint, way = palm_m + turn @ finger.base_m, turn @ finger.rotation
-        angles = joint_angles(finger, 0.25)
-        for i, (surface, angle) in enumerate(zip(finger.segments(), angles, strict=True)):
-            way = way @ about_y(float(angle))
+        base, straight = palm_m + turn @ finger.base_m, turn @ finger.rotation
+        segments = placed_segments(finger, 0.25, base, straight)
+        for i, (surface, joint, way, _) in enumerate(segments):
             x, y, z = joint.tolist()
             assets.add(
                 body, f"{name}:{finger.name}{i}", surface, skin, 0, pos=(x, y, z),
                 quat=assets.quaternion(way), castshadow=False,
             )  # fmt: skip
-            joint = joint + finger.lengths_m[i] * way[:, 0]

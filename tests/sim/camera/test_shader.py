@@ -8,11 +8,12 @@ import pytest
 
 from pjpdaf.errors import InfrastructureError
 from sim.camera.render import StereoRenderer
-from sim.camera.shader import SHARP_M, LightKind, Shader, kinds_of, shader_of, soft_edge_m
+from sim.camera.shader import LightKind, Shader, kinds_of, shader_of, soft_edge_m
 from sim.gl import load_mujoco
 from sim.person.rest import rest_pose
 from sim.scene.world import build
 from sim.specs import ObjectSpec, RigSpec, RoomSpec, SceneSpec
+from sim.surroundings.lights import SHARP_M
 
 CHAIR = ObjectSpec("chair", "chair", (0.44, 0.44, 0.92), (0.7, 0.5, 0.4), (-0.7, 0.6), base_m=0.0)
 SCENE = SceneSpec(rig=RigSpec(tilt_rad=0.28), room=RoomSpec(objects=(CHAIR,)))
