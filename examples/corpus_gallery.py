@@ -14,6 +14,7 @@ import cv2
 
 from pjpdaf.presets.names import DEFAULT_PRESET
 from reports.page.episode_tables import episode_tables
+from reports.pictures.resize import resized
 from reports.run.load import load, read_film
 from reports.run.rows import rows_of
 from reports.run.save import RunInfo, save
@@ -37,9 +38,7 @@ def film_strip(record):
         run = load(out)
         (tables,) = episode_tables(run)
         (film,) = (read_film(run, entry["file"]) for entry in run.meta["films"])
-        whole = sheet(strip(tables, film, record.event))
-    height = round(whole.shape[0] * WIDTH_PX / whole.shape[1])
-    return cv2.resize(whole, (WIDTH_PX, height), interpolation=cv2.INTER_AREA)
+        return resized(sheet(strip(tables, film, record.event)), WIDTH_PX)
 
 
 def entry(record):

@@ -10,6 +10,7 @@ from pjpdaf.errors import BenchError
 from pjpdaf.targets import TARGETS
 from reports.dataset import label_colours
 from reports.pictures.encode import jpeg_of
+from reports.pictures.resize import resized
 from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
@@ -53,19 +54,15 @@ def _sample_row(sequence: StoredSequence) -> dict[str, Image]:
     camera = sequence.rig.left
     grey = np.full((camera.height_px, camera.width_px, 3), 60, np.uint8)
     pictures = [grey if picture is None else picture for picture in frame.pictures]
-    tiles = {
-        name: label_colours.resized(p, TILE_PX) for name, p in zip(CAMERAS, pictures, strict=True)
-    }
+    tiles = {name: resized(p, TILE_PX) for name, p in zip(CAMERAS, pictures, strict=True)}
     seg = sequence.seg(0, index) if sequence.has("seg_left") else None
     if sequence.has("depth_left"):
-        tiles["depth"] = label_colours.resized(
-            label_colours.depth_picture(sequence.depth_m(0, index)), TILE_PX
-        )
+        tiles["depth"] = resized(label_colours.depth_picture(sequence.depth_m(0, index)), TILE_PX)
     if seg is not None:
-        tiles["seg"] = label_colours.resized(label_colours.seg_picture(seg), TILE_PX, exact=True)
+        tiles["seg"] = resized(label_colours.seg_picture(seg), TILE_PX, exact=True)
     if sequence.has("amodal_left"):
         amodal = label_colours.amodal_picture(pictures[0], sequence.amodal(0, index), seg)
-        tiles["amodal"] = label_colours.resized(amodal, TILE_PX)
+        tiles["amodal"] = resized(amodal, TILE_PX)
     return tiles
 
 

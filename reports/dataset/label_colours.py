@@ -127,13 +127,6 @@ def amodal_picture(picture: Image, amodal: NDArray[np.bool_], seg: Image | None)
     return canvas
 
 
-def resized(picture: Image, width_px: int, exact: bool = False) -> Image:
-    """Scale a picture (h, w, 3) to this width; exact: by nearest neighbour, mixing no colours."""
-    height = max(round(width_px * picture.shape[0] / picture.shape[1]), 1)
-    method = cv2.INTER_NEAREST if exact else cv2.INTER_AREA
-    return np.asarray(cv2.resize(picture, (width_px, height), interpolation=method), np.uint8)
-
-
 def _turbo(share: NDArray[Any], known: NDArray[np.bool_]) -> Image:
     grey = (np.clip(share, 0.0, 1.0) * 255).round().astype(np.uint8)
     coloured = np.asarray(cv2.applyColorMap(grey, cv2.COLORMAP_TURBO), np.uint8)

@@ -13,6 +13,7 @@ from reports.dataset import label_colours
 from reports.page.packing import base64_text
 from reports.pictures.encode import webp_of
 from reports.pictures.overlay import canvas_of
+from reports.pictures.resize import resized
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
@@ -113,7 +114,7 @@ def _pictures(sequence: StoredSequence, index: int, layers: Sequence[str]) -> It
     for name in layers:
         exact = LAYERS[name][1] == LOSSLESS
         views = [
-            label_colours.resized(_layer(sequence, index, v, name, picture), VIEW_PX, exact)
+            resized(_layer(sequence, index, v, name, picture), VIEW_PX, exact)
             for v, picture in enumerate(frame.pictures)
         ]
         height = max(view.shape[0] for view in views)

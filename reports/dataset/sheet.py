@@ -11,6 +11,7 @@ from pjpdaf.targets import TARGETS
 from reports.dataset import label_colours
 from reports.pictures.contact_sheet import GAP_PX
 from reports.pictures.overlay import BLACK, STRIP, WHITE, canvas_of, draw_text
+from reports.pictures.resize import resized
 from reports.pictures.truth_overlay import draw_outlines
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
@@ -59,9 +60,9 @@ def _row(
 
 def _tiles(sequence: StoredSequence, index: int, layers: Sequence[str]) -> list[Image]:
     picture = sequence.frame(index).pictures[0]
-    canvas = label_colours.resized(canvas_of(picture, sequence.rig.left), TILE_PX)
+    canvas = resized(canvas_of(picture, sequence.rig.left), TILE_PX)
     if picture is not None and sequence.has(f"seg_{CAMERAS[0]}"):
-        seg = label_colours.resized(sequence.seg(0, index), TILE_PX, exact=True)
+        seg = resized(sequence.seg(0, index), TILE_PX, exact=True)
         labels = np.where((seg >= 1) & (seg <= len(TARGETS)), seg, 0).astype(np.int8) - 1
         draw_outlines(canvas, labels, thickness_px=1, halo=False)
     draw_text(canvas, f"frame {index}", (6, 17), WHITE, TEXT)
@@ -72,21 +73,15 @@ def _layer(sequence: StoredSequence, index: int, name: str) -> Image:
     camera = sequence.rig.left
     if not sequence.has(f"{name}_left"):
         blank = np.full((camera.height_px, camera.width_px, 3), BLACK, np.uint8)
-        return label_colours.resized(blank, TILE_PX)
+        return resized(blank, TILE_PX)
     if name == "depth":
-        return label_colours.resized(
-            label_colours.depth_picture(sequence.depth_m(0, index)), TILE_PX
-        )
+        return resized(label_colours.depth_picture(sequence.depth_m(0, index)), TILE_PX)
     if name == "seg":
-        return label_colours.resized(
-            label_colours.seg_picture(sequence.seg(0, index)), TILE_PX, exact=True
-        )
+        return resized(label_colours.seg_picture(sequence.seg(0, index)), TILE_PX, exact=True)
     matches = sequence.rectified(0, index)
     assert matches.disparity_px is not None, "a rectified pair always has a disparity"
     most_px = label_colours.most_disparity_px(sequence.rig)
-    return label_colours.resized(
-        label_colours.disparity_picture(matches.disparity_px, most_px), TILE_PX
-    )
+    return resized(label_colours.disparity_picture(matches.disparity_px, most_px), TILE_PX)
 
 
 def _ascii(text: str) -> str:

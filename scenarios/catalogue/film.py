@@ -6,13 +6,14 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from pjpdaf.arrays import Image
 from pjpdaf.errors import BenchError, InfrastructureError
 from reports.pictures.contact_sheet import contact_sheet
+from reports.pictures.encode import png_of
 from reports.pictures.film import FilmWriter, film_suffix
+from reports.pictures.resize import resized
 from reports.pictures.truth_overlay import truth_picture
 from reports.summary.text import count
 from scenarios.catalogue.frame_choice import representative_frames, truths_without_pictures
@@ -130,11 +131,7 @@ def _sheet(performance: Performance, indices: range, part: Path, title: str) -> 
         meter.begin("drawing", len(chosen))
         for index in counted(chosen):
             picture = draw_truth(simulation.render(index), simulation, title)
-            height = round(picture.shape[0] * SHEET_WIDTH_PX / picture.shape[1])
-            small = cv2.resize(picture, (SHEET_WIDTH_PX, height), interpolation=cv2.INTER_AREA)
-            pictures.append(np.asarray(small, dtype=np.uint8))
-    done, png = cv2.imencode(PNG, contact_sheet(pictures, SHEET_COLUMNS))
-    assert done, "OpenCV always encodes a uint8 BGR picture"
+            pictures.append(resized(picture, SHEET_WIDTH_PX))
     with disk_faults(part, "the sheet"):
-        part.write_bytes(bytes(png))
+        part.write_bytes(png_of(contact_sheet(pictures, SHEET_COLUMNS)))
     return chosen

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
-import cv2
-import numpy as np
-
 from pjpdaf.arrays import Image
 from pjpdaf.errors import BenchError
 from reports.pictures.contact_sheet import contact_sheet
 from reports.pictures.encode import jpeg_of, png_of, webp_of
+from reports.pictures.resize import resized
 from reports.summary.text import count
 from scenarios.console.interrupts import unwritten_if_interrupted
 from scenarios.console.progress import progress
@@ -84,6 +82,4 @@ def middle_picture(job: Job) -> Image | None:
         return None
     with Simulation(performance) as simulation:
         light = simulation.render(performance.frames // 2).light[0]
-    height = round(light.shape[0] * WIDTH_PX / light.shape[1])
-    small = cv2.resize(light, (WIDTH_PX, height), interpolation=cv2.INTER_AREA)
-    return np.asarray(small, dtype=np.uint8)
+    return resized(light, WIDTH_PX)

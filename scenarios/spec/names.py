@@ -95,15 +95,15 @@ def resolve(name: str) -> Scenario | Suite:
         if is_corpus_file(name):
             return corpus_suite((load_corpus_case(name),))
         return load_either_file(Path(name))
-    if is_own_motion(name):
-        trust(name)
-        return scenario_of_motion(name)
     if name == CORPUS and (cases := corpus_cases(CORPUS)):
         return corpus_suite(cases)
     if name in scenario_names():
         return _shipped_scenario(name)
     if name in suite_names():
         return _shipped_suite(name)
+    if is_own_motion(name):
+        trust(name)
+        return scenario_of_motion(name)
     raise UnknownName("scenario or suite", name, (*scenario_names(), *suite_names(), CORPUS))
 
 

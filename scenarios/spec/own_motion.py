@@ -8,7 +8,12 @@ from pydantic import ValidationError
 
 from pjpdaf.errors import BenchError
 from pjpdaf.plugins.loading import allow_plug_ins_from_here, entry_point_names
-from scenarios.spec.motion.plugged import MODULE_FACTORY, fault_of_name
+from scenarios.spec.motion.plugged import (
+    MODULE_FACTORY,
+    declared_parameters,
+    fault_of_name,
+    first_line,
+)
 from scenarios.spec.scenario import Scenario
 from sim.families.plugged import MOTIONS, own_motion
 
@@ -29,6 +34,7 @@ def scenario_of_motion(name: str) -> Scenario:
         raise BenchError(fault)
     allow_plug_ins_from_here(name)
     made = own_motion(name)
+    declared_parameters(name)  # its faults are lines of their own, not those of a record
     plain = re.sub(r"[^a-z0-9_]+", "_", name.rpartition(":")[2].lower()).lstrip("_0123456789")
     record = {
         "name": plain[:60] or GROUP,
@@ -42,9 +48,4 @@ def scenario_of_motion(name: str) -> Scenario:
     try:
         return Scenario.model_validate(record)
     except ValidationError as error:
-        first = error.errors()[0]
-        text = first.get("ctx", {}).get("fault", first["msg"])
-        if "The motion" in str(text):
-            raise BenchError(str(text)) from None
-        place = ".".join(str(part) for part in first["loc"])
-        raise BenchError(f"The motion {name!r}: {place}: {text}.") from None
+        raise BenchError(f"The motion {name!r}: {first_line(error.errors()[0])}") from None

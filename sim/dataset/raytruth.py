@@ -23,7 +23,7 @@ from sim.dataset.files.layout import DEPTH_UNIT_M
 from sim.dataset.labels.classes import classes_of
 from sim.dataset.labels.instances import Instances, instances_of
 from sim.dataset.stored_sequence import StoredSequence
-from sim.scene.world import CAMERAS
+from sim.scene.world import CAMERAS, World
 from sim.sequence import Simulation
 from sim.steps import step as count_step
 
@@ -122,7 +122,7 @@ def ray_check(
             raise FileError(
                 sequence.folder, f"the {name} camera of rig.json is not that of recipe.json"
             )
-    instances = instances_of(world)
+    instances, classes = instances_of(world), classes_of(world)
     figures = []
     for index in frames:
         if not 0 <= index < sequence.frame_count:
@@ -131,15 +131,16 @@ def ray_check(
         for view in range(len(CAMERAS)):
             later_s = simulation.performance.scene.sensor.skew_s if view else 0.0
             world.place(simulation.performance.script.pose(time_s + later_s))
-            figures.append(_of_view(simulation, sequence, instances, index, view, step))
+            figures.append(_of_view(world, sequence, instances, classes, index, view, step))
         count_step()
     return pooled(figures)
 
 
 def _of_view(
-    simulation: Simulation,
+    world: World,
     sequence: StoredSequence,
     instances: Instances,
+    classes: NDArray[np.uint8],
     index: int,
     view: int,
     step: int,
@@ -149,7 +150,6 @@ def _of_view(
     grid = np.zeros(seg.shape, bool)
     grid[step // 2 :: step, step // 2 :: step] = True
     ys, xs = np.nonzero(band | grid)
-    world = simulation.world
     geoms, met_m = cast(world, world.rig.cameras[view], np.column_stack([xs, ys]))
     met, stored, near = instances.ids(geoms), seg[ys, xs], band[ys, xs]
     # A ray of the grid counts for the part of its square that is not near a border.
@@ -161,7 +161,7 @@ def _of_view(
     targets = 1 + np.arange(len(TARGETS))
     class_wrong = None
     if sequence.has(f"semantic_{CAMERAS[view]}"):
-        other = classes_of(world)[geoms] != sequence.classes(view, index)[ys, xs]
+        other = classes[geoms] != sequence.classes(view, index)[ys, xs]
         class_wrong = float(stands_for[other].sum())
     return RayFigures(
         rays=len(xs),

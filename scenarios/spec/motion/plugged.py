@@ -103,13 +103,14 @@ def declared_parameters(name: str) -> dict[str, Parameter]:
         try:
             declared[parameter] = _PARAMETER.validate_python(given)
         except ValidationError as fault:
-            raise BenchError(f"{where}: {_first_line(fault.errors()[0])}") from None
+            raise BenchError(f"{where}: {first_line(fault.errors()[0])}") from None
         if not declared[parameter].meaning:
             raise BenchError(f"{where}: needs a meaning.")
     return declared
 
 
-def _first_line(error: Any) -> str:
+def first_line(error: Any) -> str:
+    """A fault of pydantic's in one line: the place in what the plug-in declares, then the rule."""
     place = ".".join(str(part) for part in error["loc"] if part not in ("numeric", "choice"))
     text = str(error.get("ctx", {}).get("fault", error["msg"]))
     return f"{place}: {text}." if place else f"{text}."

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -33,8 +33,13 @@ DIGITS = 6
 Lines = Callable[[StoredSequence, FrameRows, int], list[str]]
 
 
-def _exporter(folder: str, head: str, lines: Lines, needs_seg: bool) -> Export:
-    """The export of one task. head: lines of data.yaml; lines: of a picture's text."""
+def _exporter(
+    folder: str, names: Sequence[str], lines: Lines, *, keypoints: str = "", needs_seg: bool = False
+) -> Export:
+    """The export of one task. names: of the classes; lines: of a picture's text.
+
+    keypoints: what data.yaml says of them.
+    """
 
     @contextmanager
     def write(dataset: Dataset, into: Path) -> Iterator[AddSequence]:
@@ -59,10 +64,9 @@ def _exporter(folder: str, head: str, lines: Lines, needs_seg: bool) -> Export:
                 step()
 
         yield add
-        (into / "data.yaml").write_text(
-            "".join(f"{split}: images/{split}\n" for split in splits) + head,
-            "ascii",
-        )
+        folders = "".join(f"{split}: images/{split}\n" for split in splits)
+        classes = "".join(f"  {number}: {name}\n" for number, name in enumerate(names))
+        (into / "data.yaml").write_text(f"{folders}{keypoints}names:\n{classes}", "ascii")
 
     return Export(folder, "YOLO's files", write)
 
@@ -131,18 +135,12 @@ def _link(source: Path, target: Path) -> None:
         shutil.copyfile(source, target)
 
 
-_NAMES = "names:\n" + "".join("  {}: {}\n".format(*pair) for pair in enumerate(HAND_SKELETONS))
 pose = _exporter(
     "yolo-pose",
-    f"kpt_shape: [{len(HAND_JOINTS)}, 3]\n"
-    # A mirrored right hand is a left hand: train with fliplr 0.
-    f"flip_idx: {list(range(len(HAND_JOINTS)))}\n{_NAMES}",
+    HAND_SKELETONS,
     _pose,
-    needs_seg=False,
+    keypoints=f"kpt_shape: [{len(HAND_JOINTS)}, 3]\n"
+    # A mirrored right hand is a left hand: train with fliplr 0.
+    f"flip_idx: {list(range(len(HAND_JOINTS)))}\n",
 )
-segmentation = _exporter(
-    "yolo-seg",
-    "names:\n" + "".join("  {}: {}\n".format(*pair) for pair in enumerate(TARGETS)),
-    _segmentation,
-    needs_seg=True,
-)
+segmentation = _exporter("yolo-seg", TARGETS, _segmentation, needs_seg=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,22 +42,16 @@ class Keypoints:
         self._chin = chin(anatomy)
         # Half axes of the ellipsoid that stands for the part of the body around each keypoint.
         head = np.array([anatomy.head_depth_m, anatomy.head_breadth_m, anatomy.head_height_m]) / 2
-        palm = palm_surface(anatomy).vertices_m
-        _, broad, thick = np.ptp(palm, axis=0) / 2
         hand = [
-            *(np.array([broad, broad, thick]) for _ in ("wrist", "palm_centre")),
+            *(palm_half_m(anatomy) for _ in ("wrist", "palm_centre")),
             *(np.full(3, finger.radii_m[-1]) for finger in self._fingers),
         ]
         self._half_m = np.array([head, np.full(3, CHIN_M), *hand, *hand])
 
     def positions(self, pose: Pose) -> Floats:
         """World positions (K, 3) [m]."""
-        right, left = (self._in_hand(curls) for curls in pose.curls)
         head = placed(pose.head, np.array([np.zeros(3), self._chin]))
-        hands = [
-            placed(part, own) for part, own in zip(pose.hands, (right, left * MIRROR), strict=True)
-        ]
-        return np.concatenate([head, *hands])
+        return np.concatenate([head, *placed_hands(pose, self._in_hand)])
 
     def project(
         self,
@@ -97,6 +93,21 @@ def chin(anatomy: Anatomy) -> Floats:
     middle = face[(np.abs(face[:, 1]) < 1e-9) & (face[:, 0] > 0)]
     below = middle[middle[:, 2] < -CHIN_FOLD * anatomy.head_height_m / 2]
     return np.asarray(below[np.argmax(below[:, 0])])
+
+
+def palm_half_m(anatomy: Anatomy) -> Floats:
+    """Half axes (3,) [m] of the ellipsoid that stands for a palm, as wide along it as across."""
+    _, broad, thick = np.ptp(palm_surface(anatomy).vertices_m, axis=0) / 2
+    return np.array([broad, broad, thick])
+
+
+def placed_hands(pose: Pose, in_hand: Callable[[Floats], Floats]) -> list[Floats]:
+    """Points (n, 3) of the right and the left hand in the world.
+
+    in_hand: gives those of a right hand in its own frame, of its fingers' curls (5,).
+    """
+    right, left = (in_hand(curls) for curls in pose.curls)
+    return [placed(part, own) for part, own in zip(pose.hands, (right, left * MIRROR), strict=True)]
 
 
 def placed(part: Transform, points: Floats) -> Floats:

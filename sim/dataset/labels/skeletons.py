@@ -11,12 +11,12 @@ from scipy.spatial.transform import Rotation
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
 from pjpdaf.targets import HEAD
-from sim.dataset.labels.keypoints import MIRROR, chain, placed
+from sim.dataset.labels.keypoints import chain, palm_half_m, placed, placed_hands
 from sim.dataset.labels.records import BODY_POINTS, HAND_JOINTS
 from sim.dataset.labels.visibility import BodyPoints, project_points
 from sim.lens import Lens
 from sim.person.geoms import HAND_TARGETS, SKIN
-from sim.person.hand import FINGERS, fingers, joint_angles, palm_surface
+from sim.person.hand import FINGERS, fingers, joint_angles
 from sim.person.landmarks import nose_and_eyes
 from sim.pose import SIDES, Pose
 from sim.scene.world import World
@@ -50,8 +50,7 @@ class Skeletons:
         self._face = np.array([*nose_and_eyes(anatomy), *(ear.position_m for ear in ears)])
         self._ear_rotations = np.array([ear.rotation for ear in ears])
         self._hips_m = np.array([_Part.of(world, f"thigh:{side}").origin_m for side in _BY_SIDE])
-        _, broad, thick = np.ptp(palm_surface(anatomy).vertices_m, axis=0) / 2
-        palm_m = np.array([broad, broad, thick])
+        palm_m = palm_half_m(anatomy)
         k = anatomy.stature_m / AVERAGE_M
         # The first joint of a finger lies in the palm, the others in the finger.
         joints_m = [
@@ -72,10 +71,7 @@ class Skeletons:
 
     def positions(self, pose: Pose) -> Floats:
         """World positions (P, 3) [m]."""
-        right, left = (self._in_hand(curls) for curls in pose.curls)
-        hands = [
-            placed(part, own) for part, own in zip(pose.hands, (right, left * MIRROR), strict=True)
-        ]
+        hands = placed_hands(pose, self._in_hand)
         joints = [
             *(pose.upper_arms[_INDEX[side]].position_m for side in _BY_SIDE),
             *(pose.forearms[_INDEX[side]].position_m for side in _BY_SIDE),

@@ -40,7 +40,7 @@ def test_a_good_motion_and_the_example_conform(plugged):
         ("without_unit", "the parameter 'speed': unit: Field required."),
         ("without_meaning", "the parameter 'speed': needs a meaning."),
         ("reversed_range", "the parameter 'speed': range: range is reversed: 1 is greater than 0.2."),
-        ("standard_name", "declares stature, the name of a standard parameter"),
+        ("standard_name", "The motion 'faulty_motions:standard_name': faulty_motions:standard_name declares stature, the name of a standard parameter"),
         ("plan_raises", "plan: raises ZeroDivisionError: speed (faulty_motions.py:"),
         ("at_an_end", "raises ValueError: too fast (faulty_motions.py:"),
         ("no_plan", "plan: must return a MotionPlan (stage.plan makes it), returns NoneType."),

@@ -126,5 +126,7 @@ def test_a_shipped_name_is_found_without_a_look_at_installed_packages(monkeypatc
     for module in ("scenarios.spec.names", "scenarios.stress.families"):
         monkeypatch.setattr(f"{module}.is_own_motion", looked)
     assert load_scenario("cross").name == "cross"
+    assert resolve("cross").name == "cross"
+    assert resolve("smoke").name == "smoke"
     assert find_family("cross").target == "cross"
     assert not is_own("cross")
