@@ -17,6 +17,8 @@ class AdaptationParameters:
     test_chroma: bool = True
     # The picture is balanced to the face's colour where the skin range does not hold it.
     balance_light: bool = True
+    # The face is looked for where the head is expected, not at the top of another silhouette.
+    expect_face: bool = True
     # Clothes of a colour near skin are told from skin.
     split_clothes: bool = True
     # A rotation of the cameras that the calibration missed is taken out.

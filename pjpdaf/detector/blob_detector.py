@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from pjpdaf.arrays import Floats
-from pjpdaf.camera import Camera, undistort_points
+from pjpdaf.camera import Camera, project, to_camera, undistort_points
 from pjpdaf.detector.adaptation import AdaptationParameters, BlobDetectorParameters
 from pjpdaf.detector.alignment import Alignment, align, moved
 from pjpdaf.detector.background import Background, BackgroundSums, BackgroundTest, prepare
@@ -22,17 +22,19 @@ from pjpdaf.detector.components import Segments, min_area_px
 from pjpdaf.detector.detector import SkinDetector
 from pjpdaf.detector.ellipses import ellipse_axes, moments, undistort_moments
 from pjpdaf.detector.exposure import Exposure, exposure_of
-from pjpdaf.detector.face import Face, face_of, mean_face, to_reference
+from pjpdaf.detector.face import ExpectedHead, Face, face_of, mean_face, to_reference
 from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.detector.silhouette import foreground, opened, reduced, reduction, silhouette, turned
 from pjpdaf.detector.skin import skin_mask, to_hsv
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detections, Estimates
 from pjpdaf.looks import BlobLooks
+from pjpdaf.targets import HEAD
 
 LATTICE_COLUMNS = 213  # pixels of a blob are kept on a lattice of about this many columns
 THIN = 0.5  # half-width of a finger over that of a palm, at most; a wrist's is about 0.7
 NOISE_FRAMES = 10  # of the background
+NEAREST_HEAD_M = 0.2  # depth of a head that can be looked for
 QUIETER = 0.8, 0.6  # floors of the deviations of S and V: averaging takes most of the noise out
 
 
@@ -133,7 +135,10 @@ class BlobDetector:
             picture if picture is None or not self.exposures else self.exposures[view](picture)
             for view, picture in enumerate(self.base.checked(frame))
         ]
-        views = [None if p is None else self._view(v, p) for v, p in enumerate(pictures)]
+        views = [
+            None if p is None else self._view(v, p, self._expected(v, predicted))
+            for v, p in enumerate(pictures)
+        ]
         face = mean_face([v.face for v in views if v is not None and v.face is not None])
         return tuple(
             Detections.none(missing=True)
@@ -142,7 +147,19 @@ class BlobDetector:
             for number, view in enumerate(views)
         )
 
-    def _view(self, view: int, picture: np.ndarray) -> View:
+    def _expected(self, view: int, predicted: Estimates | None) -> ExpectedHead | None:
+        """Where the reduced picture of a view shows the head, None where it is not tracked."""
+        if predicted is None or not self.adaptation.expect_face:
+            return None
+        camera, head_m = self.base.cameras[view], predicted.positions_m[HEAD]
+        depth_m = float(to_camera(camera, head_m)[2])
+        if predicted.status[HEAD] != "tracked" or not depth_m > NEAREST_HEAD_M:
+            return None
+        step = reduction(camera.width_px)
+        centre_px = (project(camera, head_m) + 0.5) / step - 0.5
+        return ExpectedHead(centre_px, float(camera.K[0, 0]) / depth_m / step)
+
+    def _view(self, view: int, picture: np.ndarray, expected: ExpectedHead | None) -> View:
         small = reduced(picture)
         if not self._tests:
             return View(picture, small, None, None, None)
@@ -152,7 +169,7 @@ class BlobDetector:
             coloured = self._chroma[view](small)
             person |= opened(coloured)
         focal_px = self._small_focal_px(view, picture)
-        face = face_of(small, person, self._chroma[view].median, focal_px)
+        face = face_of(small, person, self._chroma[view].median, focal_px, expected)
         return View(picture, small, person, coloured, face)
 
     def _cloth(self, number: int, view: View, face: Face | None) -> np.ndarray | None:

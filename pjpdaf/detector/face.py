@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import colorsys
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -20,6 +21,7 @@ REFERENCE_BGR = (79.0, 101.0, 142.0)  # of skin in the middle of the fixed range
 HEAD_M, HALF_HEAD_M = 0.27, 0.10  # height below the silhouette's top, half width
 USUAL_DEPTH_M = 1.3
 JOIN_M = 0.06  # pieces nearer than twice this are one person
+ELSEWHERE_M = 0.2  # from the expected head: the silhouette's top is not it
 TOP_M = 0.05  # least width of the silhouette at its top
 DARK = 0.35  # share of the box's bright value below which a pixel is hair or shade
 BIN, BINS, LOW = 0.04, 64, -1.0  # of the histogram of log chroma
@@ -53,15 +55,43 @@ class Face:
         )
 
 
+class ExpectedHead(NamedTuple):
+    """Where a head is expected in a reduced picture: centre (2,) [px]; pixels of a metre there."""
+
+    centre_px: Floats
+    metre_px: float
+
+    def near(self, box: Bools) -> bool:
+        """Whether the middle of a box, bool (h, w), is within ELSEWHERE_M."""
+        middle = [float(at.mean()) for at in np.nonzero(box)[::-1]]
+        return bool(np.hypot(*(middle - self.centre_px)) < ELSEWHERE_M * self.metre_px)
+
+    def box(self, foreground: np.ndarray) -> Bools | None:
+        """Foreground of a head's size there, bool (h, w), None without any."""
+        (x, y), half = self.centre_px, HALF_HEAD_M * self.metre_px
+        up, down = y - 0.5 * HEAD_M * self.metre_px, y + 0.5 * HEAD_M * self.metre_px
+        box: Bools = np.zeros(foreground.shape, np.bool_)
+        box[max(int(up), 0) : max(int(down), 0), max(int(x - half), 0) : max(int(x + half), 0)] = 1
+        box &= foreground > 0
+        return box if box.any() else None
+
+
 def face_of(
-    small: np.ndarray, foreground: np.ndarray, background_chroma: Floats, focal_px: float
+    small: np.ndarray,
+    foreground: np.ndarray,
+    background_chroma: Floats,
+    focal_px: float,
+    expected: ExpectedHead | None = None,
 ) -> Face | None:
     """Find the face's colour in a reduced picture uint8 (h, w, 3), None where no head shows.
 
     foreground: uint8 (h, w), non-zero where the person is; background_chroma (2,): of the scene;
-    focal_px: of the reduced picture.
+    focal_px: of the reduced picture. expected: the silhouette's top counts only if it is there:
+    another person may stand taller.
     """
     inside = _head_box(foreground, focal_px / USUAL_DEPTH_M)
+    if expected is not None and (inside is None or not expected.near(inside)):
+        inside = expected.box(foreground)
     if inside is None:
         return None
     size = int(inside.sum())

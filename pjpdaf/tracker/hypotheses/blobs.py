@@ -48,3 +48,7 @@ class Blobs:
     def length_m(self, blob: int, metre_px: float) -> float:
         """Length of a blob's ellipse [m] where a metre has this many pixels."""
         return 2.0 * float(self.ellipses[blob, 2]) / metre_px
+
+    def thickness_m(self, blob: int, metre_px: float) -> float:
+        """Thickness of a blob's ellipse [m] where a metre has this many pixels."""
+        return 2.0 * float(self.ellipses[blob, 3]) / metre_px

@@ -9,14 +9,16 @@ from typing import NamedTuple
 import numpy as np
 
 from pjpdaf.arrays import Floats, Ints
+from pjpdaf.tracker.hypotheses.bare_arm import end_at, ends
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.parameters import CandidateParameters
-from pjpdaf.tracker.hypotheses.split import ends, halves, outside, pieces
+from pjpdaf.tracker.hypotheses.split import halves, outside, pieces
 
 WHOLE, HALF, OTHER_HALF, BESIDE, END, OTHER_END = range(6)  # parts of a blob
 LONGEST_FINGERS = 0.4  # of the square root of the area
 APART, KEPT = 1.1, (0.4, 1.1)  # shares of two halves' distance: hands side by side; at all
 PIECES = 3  # beside the head, at most
+END_SHARE = 0.8  # of a hand's length: how far the end of a bare arm reaches
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +78,7 @@ def candidates(
     blob: list[int] = []
     for i in range(len(view)):
         if head is not None and i == head.blob:
-            here = [] if head.free else list(_beside(view, head, metre_px, hand_px, p))
+            here = [] if head.free else list(_beside(view, head, metre_px, hand_px, bare, p))
         else:
             here = list(_of_blob(view, i, metre_px, hand_px, bare, head is None, p))
         chosen += here
@@ -108,9 +110,10 @@ def _of_blob(
 ) -> Iterator[Candidate]:
     pixels, area = view.looks.pixels[i], float(view.areas_px[i])
     arm = bare and p.ends and view.length_m(i, metre_px) > p.hand_length_m and len(pixels) >= 8
-    if arm:
+    if arm and view.thickness_m(i, metre_px) > p.arm_thickness_m:
         size = min(area, p.split_area_m2 * metre_px**2)
-        for k, centre in enumerate(ends(pixels, 0.8 * p.hand_length_m * metre_px)):
+        step = view.looks.pixel_area_px**0.5
+        for k, centre in enumerate(ends(pixels, step, END_SHARE * p.hand_length_m * metre_px)):
             yield Candidate(centre, size, END + k)
     if not arm or always:  # the head itself may be long
         yield Candidate(view.centres_px[i], area, WHOLE)
@@ -134,9 +137,17 @@ def _halves(
 
 
 def _beside(
-    view: Blobs, head: HeadPlace, metre_px: float, hand_px: float, p: CandidateParameters
+    view: Blobs,
+    head: HeadPlace,
+    metre_px: float,
+    hand_px: float,
+    bare: bool,
+    p: CandidateParameters,
 ) -> Iterator[Candidate]:
-    """Pieces of the head's blob outside the head, and halves of a piece as large as two hands."""
+    """Pieces of the head's blob outside the head, and halves of a piece as large as two hands.
+
+    A piece longer than a hand is a bare arm: the hand is its end at the head.
+    """
     if not p.beside_head:
         return
     each = view.looks.pixel_area_px
@@ -144,6 +155,15 @@ def _beside(
     least = max(int(p.beside_area_m2 * metre_px**2 / each), 6)
     for piece in pieces(left, each**0.5, least)[:PIECES]:
         area = len(piece) * each
+        if bare and p.ends and _length_px(piece) > p.hand_length_m * metre_px:
+            centre = end_at(piece, each**0.5, head.centre_px, p.hand_length_m * metre_px)
+            yield Candidate(centre, min(area, p.split_area_m2 * metre_px**2), BESIDE)
+            continue
         yield Candidate(piece.mean(axis=0), area, BESIDE, piece)
         if p.halves and area > 1.2 * p.split_area_m2 * metre_px**2:
             yield from _halves(piece, area, hand_px, p)
+
+
+def _length_px(pixels: Floats) -> float:
+    """Length of the ellipse with the second moments of pixels (n, 2), as of `Blobs.length_m`."""
+    return float(4.0 * np.sqrt(np.linalg.eigvalsh(np.cov(pixels.T))[1]))

@@ -61,13 +61,15 @@ def follow_head(
     dt_s: float,
     p: HypothesisParameters,
     known_m: Floats | None = None,
+    joined: tuple[bool, ...] = (False, False),
 ) -> tuple[HeadTrack, tuple[HeadPlace | None, ...]]:
     """The head one frame later, and its place in each view, None where it is not seen.
 
-    known_m (3,): where it is looked for in place of the prediction.
+    known_m (3,): where it is looked for in place of the prediction. joined: of each view, whether a
+    hand must be in the head's blob, which is then neither free nor learnt, whatever its area.
     """
     looked_for = track if known_m is None else replace(track, mean=known_m)
-    places = head_places(looked_for, seen, views)
+    places = head_places(looked_for, seen, views, joined)
     sighting = _sighting(track, places, views, p)
     m = p.motion
     if sighting is None:
@@ -78,7 +80,7 @@ def follow_head(
         track.mean, track.covariance, point, C, dt_s, m.head_weights, m.head_deviations_m
     )
     after = replace(track, mean=mean, covariance=P, unseen_s=0.0)
-    if any(place is None for place in places):
+    if any(place is None for place in places) or any(joined):
         return after, places
     free = all(place is not None and place.free for place in places)
     area, shape = head_size(mean, seen, places, views)
@@ -96,16 +98,23 @@ def follow_head(
 
 
 def head_places(
-    track: HeadTrack, seen: tuple[Blobs, ...], views: Views
+    track: HeadTrack,
+    seen: tuple[Blobs, ...],
+    views: Views,
+    joined: tuple[bool, ...] = (False, False),
 ) -> tuple[HeadPlace | None, ...]:
-    """Places of the head, judged at the prediction."""
+    """Places of the head, judged at the prediction. joined: as of `follow_head`."""
     pixels, depth = views.project(track.mean)
     places: list[HeadPlace | None] = []
     for view, blobs in enumerate(seen):
         metre_px = views.focal_px[view] / depth[view]
         shape, area = track.shape_m2 * metre_px**2, track.area_m2 * metre_px**2
         reach_px = float(FARTHEST_M * (1.0 + track.unseen_s) * metre_px)
-        places.append(_place(blobs, pixels[view], shape, float(area), reach_px))
+        place = _place(blobs, pixels[view], shape, float(area), reach_px)
+        if place is not None and place.free and joined[view]:
+            centre, _ = settle(blobs.looks.pixels[place.blob], pixels[view], shape)
+            place = replace(place, free=False, centre_px=centre)
+        places.append(place)
     return tuple(places)
 
 

@@ -6,12 +6,13 @@ from dataclasses import dataclass, replace
 from itertools import combinations, permutations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
 from pjpdaf.tracker.hypotheses.arm_pieces import forearm_cost
 from pjpdaf.tracker.hypotheses.blobs import Blobs
-from pjpdaf.tracker.hypotheses.candidates import WHOLE, HeadPlace, candidates
-from pjpdaf.tracker.hypotheses.costs import area_cost, finger_directions
+from pjpdaf.tracker.hypotheses.candidates import END, WHOLE, HeadPlace, candidates
+from pjpdaf.tracker.hypotheses.costs import area_cost, end_cost, finger_directions
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.head import CROWN_M, HeadTrack, crown_of, head_size
 from pjpdaf.tracker.hypotheses.pairs import Pairs, pair_candidates
@@ -118,6 +119,7 @@ def _hands(
         & (off[:, 2] < BEHIND_M)
         & (np.linalg.norm(off, axis=1) < REACH_M)
         & (pairs.blob != pairs.blob[head]).all(axis=1)
+        & ~_whole_arms(pairs)
     )
     body = Body.under(pairs.points_m[head], views.axes, p.sleeve)
     shapes = tuple(view.looks.silhouette for view in seen)
@@ -127,6 +129,8 @@ def _hands(
     scores = arm_scores(pairs.points_m, values, shapes, views, body, p.sleeve, fingers)
     own = pairs.cost + area_cost(pairs, p.costs.hand_area_m2, p.costs)
     bare = long or all(shape is None for shape in shapes)
+    if long:
+        own = own + end_cost(pairs, views.axes, p.costs)
     if bare and p.candidates.arm_pieces:
         own = own + forearm_cost(pairs, good, views.axes, p.costs.forward_m)
     hands: list[tuple[Floats, float]] = []
@@ -144,3 +148,12 @@ def _hands(
     least = hands[0][1] if hands else 0.0
     near = [(points, cost - least) for points, cost in hands if cost < least + LARGEST_COST]
     return tuple(near[: p.hypotheses])
+
+
+def _whole_arms(pairs: Pairs) -> NDArray[np.bool_]:
+    """Which pairs (n,) are whole blobs that are bare arms in either view: the hand is an end."""
+    arms = np.zeros(len(pairs), np.bool_)
+    for view in range(pairs.blob.shape[1]):
+        of_ends = pairs.blob[pairs.part[:, view] >= END, view]
+        arms |= (pairs.part[:, view] == WHOLE) & np.isin(pairs.blob[:, view], of_ends)
+    return arms

@@ -20,6 +20,10 @@ class CandidateParameters:
     beside_head: bool = True
     # The hand is an end of a long blob where forearms are bare.
     ends: bool = True
+    # Least thickness of a blob that is a bare arm, its short axis [m].
+    arm_thickness_m: NotNegative = 0.03
+    # A hand that was near the head and is seen nowhere else is in the head's blob.
+    missing_hand: bool = True
     # Of two pieces of one bare arm the nearer one is the hand, at the start.
     arm_pieces: bool = True
     # Pieces of the head, as a fringe or glasses cut it, are one blob.

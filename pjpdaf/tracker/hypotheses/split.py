@@ -60,20 +60,6 @@ def pieces(pixels: Floats, step_px: float, least: int) -> list[Floats]:
     return sorted((p for p in components if len(p) >= least), key=len, reverse=True)
 
 
-def ends(pixels: Floats, length_px: float) -> Floats:
-    """Centres (2, 2) of the pixels (n, 2) within length_px of either end of a blob's major axis."""
-    offset = pixels - pixels.mean(axis=0)
-    axis = np.linalg.eigh(offset.T @ offset)[1][:, 1]
-    along = offset @ axis
-    first, last = np.percentile(along, [1, 99])
-    return np.array(
-        [
-            pixels[along <= first + length_px].mean(axis=0),
-            pixels[along >= last - length_px].mean(axis=0),
-        ]
-    )
-
-
 def settle(pixels: Floats, start: Floats, shape: Floats) -> tuple[Floats, float]:
     """Where an ellipse comes to rest on a blob (mean shift), (2,), and the pixels inside it."""
     inverse = np.linalg.inv(shape)

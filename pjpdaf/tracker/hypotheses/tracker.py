@@ -11,6 +11,7 @@ from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
 from pjpdaf.interfaces import Detections, Estimates
 from pjpdaf.known_targets import KnownTargets
+from pjpdaf.tracker.hypotheses.arm_at_head import before_face
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.candidates import WHOLE, HeadPlace, candidates
 from pjpdaf.tracker.hypotheses.costs import (
@@ -33,6 +34,7 @@ from pjpdaf.tracker.hypotheses.hypothesis import (
 )
 from pjpdaf.tracker.hypotheses.identity import hidden_doubt
 from pjpdaf.tracker.hypotheses.lag import Past, look_back
+from pjpdaf.tracker.hypotheses.missing_hand import hand_missing
 from pjpdaf.tracker.hypotheses.motion import spread
 from pjpdaf.tracker.hypotheses.opening import open_tracks
 from pjpdaf.tracker.hypotheses.pairs import Pairs, pair_candidates
@@ -161,7 +163,8 @@ class HypothesisTracker:
         if p.candidates.join_head:
             seen = join_head(state.head, seen, self.views)
         head_m = None if known_m is None else known_m[0]
-        head, places = follow_head(state.head, seen, self.views, dt_s, p, head_m)
+        joined = self._joined(state, seen)
+        head, places = follow_head(state.head, seen, self.views, dt_s, p, head_m, joined)
         pairs = self._pairs(state, seen, places, head, dt_s)
         face_m, face_cost = self._at_head(head, places)
         sightings = Sightings(
@@ -206,6 +209,18 @@ class HypothesisTracker:
         left, right = (seen[v].centres_px[pairs.blob[of, v]] for v in range(VIEWS))
         s = shifts(self.views, left, right, state.hypotheses[0].means, dt_s)
         return state.skew.after(s.r_px, s.across, dt_s)
+
+    def _joined(self, state: HypothesisState, seen: tuple[Blobs, ...]) -> tuple[bool, ...]:
+        """Whether each view's blob of the head must show a hand too."""
+        if not self.parameters.candidates.missing_hand:
+            return (False, False)
+        _, depth = self.views.project(state.head.mean)
+        area_px = state.hand_area_m2 * (self.views.focal_px / depth) ** 2
+        hands = state.hypotheses[0].means
+        return tuple(
+            hand_missing(view, state.head.mean, hands, float(area_px[v]))
+            for v, view in enumerate(seen)
+        )
 
     def _at_head(
         self, head: HeadTrack, places: tuple[HeadPlace | None, ...]
@@ -258,6 +273,8 @@ class HypothesisTracker:
         if state.skew is not None and dt_s > 0:
             skewed = Skewed(state.skew, state.hypotheses[0].means, dt_s)
         pairs = pair_candidates(self.views, (one, two), expected, p.noise, p.costs, seen, skewed)
+        if bare:
+            pairs = before_face(pairs, (one, two), head.mean, self.views)
         away = (pairs.points_m - head.mean) @ self.views.axes[2]
         pairs = pairs[(away < BEHIND_M) & (away > -BEFORE_M)]
         extra = piece_cost(pairs, head.mean, self.views.axes, p.costs)

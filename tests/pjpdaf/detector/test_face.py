@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from pjpdaf.detector.face import REFERENCE_BGR, Face, face_of, mean_face, to_reference
+from pjpdaf.detector.face import REFERENCE_BGR, ExpectedHead, Face, face_of, mean_face, to_reference
 
 FOCAL_PX = 135.0  # of a picture 160 px wide
 GREY = np.zeros(2)
@@ -54,6 +54,22 @@ def test_a_blue_head_is_no_face():
 def test_no_person_no_face():
     scene, _ = person(REFERENCE_BGR)
     assert face_of(scene, np.zeros((120, 160), np.uint8), GREY, FOCAL_PX) is None
+
+
+def test_a_taller_person_behind_is_not_the_face_that_is_expected():
+    """Their silhouettes touch, so that the top is the stranger's."""
+    scene, mask = person(REFERENCE_BGR)
+    stranger = (40, 60, 90)
+    cv2.rectangle(scene, (110, 4), (150, 100), (60, 90, 40), -1)
+    cv2.ellipse(scene, (128, 14), (7, 10), 0, 0, 360, stranger, -1)
+    cv2.rectangle(mask, (106, 4), (150, 100), 1, -1)
+    expected = ExpectedHead(np.array([80.0, 39.0]), FOCAL_PX / 1.3)
+    alone = face_of(scene, mask, GREY, FOCAL_PX)
+    assert alone is not None
+    np.testing.assert_allclose(alone.bgr, stranger, atol=2)
+    face = face_of(scene, mask, GREY, FOCAL_PX, expected)
+    assert face is not None
+    np.testing.assert_allclose(face.bgr, REFERENCE_BGR, atol=2)
 
 
 def test_the_views_faces_are_averaged_by_size():

@@ -1,11 +1,11 @@
-"""Splitting of blobs: two discs, a ring of pieces, the ends of an arm."""
+"""Splitting of blobs: two discs, a ring of pieces."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from pjpdaf.looks import looks_of_ellipses
-from pjpdaf.tracker.hypotheses.split import ends, halves, outside, pieces, settle
+from pjpdaf.tracker.hypotheses.split import halves, outside, pieces, settle
 
 
 def disc(x: float, y: float, radius: float, step: float = 3.0) -> np.ndarray:
@@ -55,13 +55,6 @@ def test_hand_beside_a_head_is_outside_its_ellipse():
 def test_pieces_are_apart_and_sorted_by_size():
     found = pieces(np.concatenate([disc(0, 0, 9), disc(60, 0, 15), disc(120, 0, 3)]), 3.0, least=6)
     assert [round(float(p[:, 0].mean())) for p in found] == [60, 0]
-
-
-def test_ends_of_a_bar_lie_half_a_length_from_its_tips():
-    x, y = (axis.ravel() for axis in np.meshgrid(np.arange(0, 201, 4.0), np.arange(0, 41, 4.0)))
-    centres = ends(np.column_stack([x, y]), length_px=80.0)
-    order = np.argsort(centres[:, 0])
-    np.testing.assert_allclose(centres[order], [[40, 20], [160, 20]], atol=3.0)
 
 
 def test_ellipse_settles_on_the_head_although_a_hand_hangs_on_it():

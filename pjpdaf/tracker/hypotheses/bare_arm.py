@@ -1,0 +1,83 @@
+"""Bare arms: the ends of a blob along its own course, of which one is the hand."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from pjpdaf.arrays import Floats, Ints
+
+NEIGHBOURS = (1, 0), (0, 1), (1, 1), (1, -1)  # columns, rows; each way once
+
+
+def courses(pixels: Floats, step_px: float, start: Floats | None = None) -> tuple[Floats, ...]:
+    """Ways [px] within a blob from one end and from the other to each of its pixels (n, 2).
+
+    The ends are the two pixels farthest from each other by a way within the blob, so that an arm
+    that is bent has its ends at hand and sleeve, not at the elbow. start (2,): one end is the pixel
+    nearest to it. step_px: of the pixels' lattice. Pixels of other pieces than the first end's are
+    infinitely far.
+    """
+    graph = _graph(pixels, step_px)
+
+    def ways(i: int) -> Floats:
+        return np.asarray(dijkstra(graph, directed=False, indices=i))
+
+    if start is None:
+        middle = int(((pixels - pixels.mean(axis=0)) ** 2).sum(axis=1).argmin())
+        one = _farthest(ways(middle))
+    else:
+        one = int(((pixels - start) ** 2).sum(axis=1).argmin())
+    from_one = ways(one)
+    return from_one, ways(_farthest(from_one))
+
+
+def ends(pixels: Floats, step_px: float, length_px: float) -> Floats:
+    """Centres (2, 2) of the last length_px of a blob's pixels (n, 2) at either of its ends.
+
+    How far the other end is by way of the arm tells what is last: a thumb and a finger alike.
+    """
+    return np.array([_last(pixels, way, length_px) for way in courses(pixels, step_px)])
+
+
+def end_at(pixels: Floats, step_px: float, goal: Floats, length_px: float) -> Floats:
+    """Centre (2,) of a hand of length_px at the end of an arm that reaches into something at goal.
+
+    Pixels (n, 2) are of the arm outside it. Most of the hand is taken to be inside, on the way on
+    from the arm's middle.
+    """
+    way, _ = courses(pixels, step_px, goal)
+    end = pixels[way <= 0.5 * length_px].mean(axis=0)
+    on = end - pixels.mean(axis=0)
+    return np.asarray(end + 0.5 * length_px * on / max(float(np.linalg.norm(on)), 1e-6))
+
+
+def _last(pixels: Floats, way: Floats, length_px: float) -> Floats:
+    known = np.isfinite(way)
+    end = float(np.percentile(way[known], 99))
+    return np.asarray(pixels[known & (way >= end - length_px)].mean(axis=0))
+
+
+def _farthest(ways: Floats) -> int:
+    return int(np.where(np.isfinite(ways), ways, -1.0).argmax())
+
+
+def _graph(pixels: Floats, step_px: float) -> csr_array:
+    """Distances [px] between neighbours on the lattice."""
+    cells: Ints = np.rint((pixels - pixels.min(axis=0)) / step_px).astype(np.intp)
+    columns, rows = (int(size) + 3 for size in cells.max(axis=0))
+    number = np.full((rows, columns), -1, np.intp)
+    x, y = cells[:, 0] + 1, cells[:, 1] + 1
+    number[y, x] = np.arange(len(pixels))
+    here = number[y, x]  # of two pixels in one cell the last
+    heads, tails, lengths = [], [], []
+    for right, down in NEIGHBOURS:
+        other = number[y + down, x + right]
+        joined = other >= 0
+        heads.append(here[joined])
+        tails.append(other[joined])
+        lengths.append(np.full(int(joined.sum()), step_px * float(np.hypot(right, down))))
+    size = (len(pixels), len(pixels))
+    parts = np.concatenate(lengths), (np.concatenate(heads), np.concatenate(tails))
+    return csr_array(parts, shape=size)

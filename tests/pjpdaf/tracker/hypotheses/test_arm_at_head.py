@@ -1,0 +1,44 @@
+"""Ends of arms at the head are before the face."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pjpdaf.tracker.hypotheses.arm_at_head import BEFORE_FACE_M, before_face
+from pjpdaf.tracker.hypotheses.candidates import BESIDE, Candidates
+from pjpdaf.tracker.hypotheses.geometry import Views
+from pjpdaf.tracker.hypotheses.pairs import Pairs
+from tests.strategies import rig
+
+VIEWS = Views.of(rig().cameras)
+MIDDLE_M = VIEWS.centres_m.mean(axis=0)
+DEPTH_M = 1.2
+
+
+def at(right: float, down: float, depth: float) -> np.ndarray:
+    return np.asarray(MIDDLE_M + np.array([right, down, depth]) @ VIEWS.axes)
+
+
+def candidates(*outlines: bool) -> Candidates:
+    n = len(outlines)
+    pixels = tuple(np.zeros((9, 2)) if outline else None for outline in outlines)
+    parts = np.full(n, BESIDE)
+    return Candidates(
+        np.zeros((n, 2)), np.zeros(n), np.zeros(n, int), parts, np.zeros((n, 2)), pixels
+    )
+
+
+def test_only_ends_of_arms_that_are_too_far_away_move_along_their_rays():
+    """Candidate 0 is an arm's end, candidate 1 a hand's own piece."""
+    points = np.array([at(0.1, 0, 1.5), at(0.1, 0, 1.0), at(0.1, 0, 1.5)])
+    number = np.array([[0, 0], [0, 0], [1, 1]])
+    C = np.tile(np.eye(3) * 0.3**2, (3, 1, 1))
+    pairs = Pairs(points, C, np.ones(3), np.zeros(3), number * 0, number * 0 + BESIDE, number)
+    both = candidates(False, True), candidates(False, True)
+    moved = before_face(pairs, both, at(0, 0, DEPTH_M), VIEWS)
+    wanted = DEPTH_M - BEFORE_FACE_M
+    np.testing.assert_allclose(moved.points_m[0], at(0.1 * wanted / 1.5, 0, wanted), atol=1e-9)
+    np.testing.assert_array_equal(moved.points_m[1:], points[1:])
+    ray = VIEWS.axes[2]
+    assert ray @ moved.covariances_m2[0] @ ray < 0.1**2
+    assert ray @ moved.covariances_m2[2] @ ray == C[2, 2, 2]
