@@ -33,12 +33,23 @@ def courses(pixels: Floats, step_px: float, start: Floats | None = None) -> tupl
     return from_one, ways(_farthest(from_one))
 
 
-def ends(pixels: Floats, step_px: float, length_px: float) -> Floats:
-    """Centres (2, 2) of the last length_px of a blob's pixels (n, 2) at either of its ends.
+def ends_and_middles(
+    pixels: Floats, step_px: float, length_px: float
+) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+    """The last length_px of a blob's pixels (n, 2) at either end, and as much of hands that meet in
+    the middle of a blob of two arms.
 
-    How far the other end is by way of the arm tells what is last: a thumb and a finger alike.
+    How far the other end is by way of the arm tells what is last: a thumb and a finger alike. The
+    middles are in the order of the ends: each hand is on its own arm's side.
     """
-    return np.array([_last(pixels, way, length_px) for way in courses(pixels, step_px)])
+    one, other = courses(pixels, step_px)
+    joined = np.isfinite(one) & np.isfinite(other)
+    inside, one, other = pixels[joined], one[joined], other[joined]
+    tips = _last(inside, one, length_px), _last(inside, other, length_px)
+    half = 0.5 * length_px
+    along = 0.5 * (one - other)  # 0 in the middle of the way, > 0 towards the first's last part
+    hands = inside[np.abs(along - half) <= half], inside[np.abs(along + half) <= half]
+    return tips, hands
 
 
 def end_at(pixels: Floats, step_px: float, goal: Floats, length_px: float) -> Floats:
@@ -54,9 +65,7 @@ def end_at(pixels: Floats, step_px: float, goal: Floats, length_px: float) -> Fl
 
 
 def _last(pixels: Floats, way: Floats, length_px: float) -> Floats:
-    known = np.isfinite(way)
-    end = float(np.percentile(way[known], 99))
-    return np.asarray(pixels[known & (way >= end - length_px)].mean(axis=0))
+    return np.asarray(pixels[way >= np.percentile(way, 99) - length_px])
 
 
 def _farthest(ways: Floats) -> int:

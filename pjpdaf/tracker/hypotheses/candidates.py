@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pjpdaf.arrays import Floats, Ints
-from pjpdaf.tracker.hypotheses.bare_arm import end_at, ends
+from pjpdaf.tracker.hypotheses.bare_arm import end_at, ends_and_middles
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.parameters import CandidateParameters
 from pjpdaf.tracker.hypotheses.split import halves, outside, pieces
@@ -110,15 +110,21 @@ def _of_blob(
 ) -> Iterator[Candidate]:
     pixels, area = view.looks.pixels[i], float(view.areas_px[i])
     arm = bare and p.ends and view.length_m(i, metre_px) > p.hand_length_m and len(pixels) >= 8
+    hands, size = None, area
     if arm and view.thickness_m(i, metre_px) > p.arm_thickness_m:
         size = min(area, p.split_area_m2 * metre_px**2)
         step = view.looks.pixel_area_px**0.5
-        for k, centre in enumerate(ends(pixels, step, END_SHARE * p.hand_length_m * metre_px)):
-            yield Candidate(centre, size, END + k)
+        tips, hands = ends_and_middles(pixels, step, END_SHARE * p.hand_length_m * metre_px)
+        for k in range(2):
+            yield Candidate(tips[k].mean(axis=0), size, END + k, tips[k])
     if not arm or always:  # the head itself may be long
         yield Candidate(view.centres_px[i], area, WHOLE)
     if p.halves and area > p.split_area_m2 * metre_px**2:
-        yield from _halves(pixels, area, hand_px, p)
+        if hands is not None and p.middles:
+            for k in range(2):
+                yield Candidate(hands[k].mean(axis=0), size, HALF + k, hands[k])
+        else:
+            yield from _halves(pixels, area, hand_px, p)
 
 
 def _halves(

@@ -20,6 +20,8 @@ class CandidateParameters:
     beside_head: bool = True
     # The hand is an end of a long blob where forearms are bare.
     ends: bool = True
+    # Two hands on bare arms that meet are in the middle between the ends.
+    middles: bool = True
     # Least thickness of a blob that is a bare arm, its short axis [m].
     arm_thickness_m: NotNegative = 0.03
     # A hand that was near the head and is seen nowhere else is in the head's blob.

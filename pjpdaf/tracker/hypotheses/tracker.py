@@ -11,7 +11,7 @@ from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
 from pjpdaf.interfaces import Detections, Estimates
 from pjpdaf.known_targets import KnownTargets
-from pjpdaf.tracker.hypotheses.arm_at_head import before_face
+from pjpdaf.tracker.hypotheses.arm_at_head import before_face, unsure_depth
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.candidates import WHOLE, HeadPlace, candidates
 from pjpdaf.tracker.hypotheses.costs import (
@@ -49,7 +49,7 @@ BEHIND_M, BEFORE_M = 0.3, 0.9  # the head: where hands can be
 APART_M = 0.3  # hands whose arms are looked at
 NEAR_HAND_M = 0.15  # from a hand to the centre of its arm's blob
 LONGEST_M = 0.45
-LENGTH_MEMORY_S = 4.0
+LONGER_S, SHORTER_S = 4.0, 20.0  # memory of an arm's length: pointing at a camera shortens it
 FACE_PLACES = (0, 0), (-1, 0), (1, 0), (-1, 1), (1, 1), (0, 1)  # right, down
 BEHIND_HEAD_M, ABOVE_M = 0.14, 0.04  # a hand behind the head
 BEFORE_FACE_M, BELOW_FACE_M = 0.06, 0.02  # a hand at the face
@@ -275,6 +275,7 @@ class HypothesisTracker:
         pairs = pair_candidates(self.views, (one, two), expected, p.noise, p.costs, seen, skewed)
         if bare:
             pairs = before_face(pairs, (one, two), head.mean, self.views)
+            pairs = unsure_depth(pairs, (one, two), self.views)
         away = (pairs.points_m - head.mean) @ self.views.axes[2]
         pairs = pairs[(away < BEHIND_M) & (away > -BEFORE_M)]
         extra = piece_cost(pairs, head.mean, self.views.axes, p.costs)
@@ -310,7 +311,8 @@ class HypothesisTracker:
                 ):
                     lengths.append(view.length_m(blob, metre_px))
         longest = max((length for length in lengths if length < LONGEST_M), default=state.longest_m)
-        share = 1.0 - float(np.exp(-dt_s / LENGTH_MEMORY_S))
+        memory_s = LONGER_S if longest > state.longest_m else SHORTER_S
+        share = 1.0 - float(np.exp(-dt_s / memory_s))
         return state.longest_m + share * (longest - state.longest_m)
 
 
