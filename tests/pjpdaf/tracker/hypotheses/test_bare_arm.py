@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pjpdaf.tracker.hypotheses.bare_arm import courses, end_at, ends
+from pjpdaf.tracker.hypotheses.bare_arm import courses, end_at, ends_and_middles
 
 STEP = 4.0
 
@@ -21,16 +21,28 @@ BENT = np.unique(
 )
 
 
+def centres(parts: tuple[np.ndarray, ...]) -> np.ndarray:
+    """Centres (2, 2) of two parts, the left one first."""
+    found = np.array([part.mean(axis=0) for part in parts])
+    return found[np.argsort(found[:, 0])]
+
+
 def test_ends_of_a_straight_bar_lie_half_a_length_from_its_tips():
-    centres = ends(STRAIGHT, STEP, length_px=80.0)
-    order = np.argsort(centres[:, 0])
-    np.testing.assert_allclose(centres[order], [[40, 20], [160, 20]], atol=5.0)
+    ends, _ = ends_and_middles(STRAIGHT, STEP, length_px=80.0)
+    np.testing.assert_allclose(centres(ends), [[40, 20], [160, 20]], atol=5.0)
 
 
 def test_ends_of_a_bent_arm_are_hand_and_sleeve_not_the_elbow():
-    centres = ends(BENT, STEP, length_px=60.0)
-    order = np.argsort(centres[:, 0])
-    np.testing.assert_allclose(centres[order], [[20, 30], [100, 30]], atol=8.0)
+    ends, _ = ends_and_middles(BENT, STEP, length_px=60.0)
+    np.testing.assert_allclose(centres(ends), [[20, 30], [100, 30]], atol=8.0)
+
+
+def test_hands_that_meet_are_each_on_its_own_arms_side_of_the_middle():
+    """Two forearms from elbows at the far ends of the bar."""
+    ends, middles = ends_and_middles(STRAIGHT, STEP, length_px=60.0)
+    np.testing.assert_allclose(centres(middles), [[70, 20], [130, 20]], atol=8.0)
+    for end, middle in zip(ends, middles, strict=True):
+        assert (end[:, 0].mean() < 100) == (middle[:, 0].mean() < 100)
 
 
 def test_a_way_follows_the_arm_and_does_not_jump_to_another_piece():
