@@ -300,6 +300,7 @@ def test_broken_mujoco_gl_is_left_to_the_command(ready, tools):
     [
         (None, 0, 0, ["played"]),
         (None, 3, 3, ["played"]),
+        (None, 1, 1, ["played", "played"]),  # once more what failed
         ("ruff", 0, 1, ["ruff is unhappy", "bench: stopped: ruff check . found faults"]),
         ("lint-imports", 0, 1, ["lint-imports is unhappy", "lint-imports found faults"]),
         ("mypy", 0, 1, ["played", "mypy is unhappy", "bench: stopped: mypy found faults"]),

@@ -75,7 +75,7 @@ def test_same_bytes_for_one_and_two_jobs_from_any_folder(tmp_path, monkeypatch):
 
 def test_calm_table_is_tracked(tmp_path):
     # Half the scenario's resolution: an eighth of the time.
-    played = rows_of(play_complete(job(frames=24, size_px=(320, 240))))
+    played = rows_of(play_complete(job(frames=12, size_px=(320, 240))))
     saved = load(save(tmp_path / "r", [played], RunInfo("r")))
     errors = saved.frames["error_mm"].dropna()
     # Most of the error is the distance from a body's centre to its visible surface: 15 to 35 mm.
