@@ -26,7 +26,7 @@ def test_package_inits_are_docstrings_alone():
         assert text.count('"""') == 2, package
 
 
-def test_pjpdaf_alone_loads_no_simulator():
+def test_pjpdaf_alone_loads_no_simulator_and_a_run_no_statistics():
     code = (
         "import sys, pjpdaf.tracker.filter, pjpdaf.detector.detector, pjpdaf.plugins.registry;"
         "bad = {'mujoco', 'pandas', 'plotly', 'sim', 'reports', 'scenarios'} & set(sys.modules);"
