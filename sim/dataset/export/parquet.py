@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
@@ -17,8 +17,8 @@ import pyarrow as pa
 
 from pjpdaf.errors import FileError
 from pjpdaf.targets import TARGETS
-from sim.dataset.export.export import AddSequence, Export, file_bytes
-from sim.dataset.export.parquet_files import ParquetFiles
+from sim.dataset.export.export import AddPart, Export, file_bytes
+from sim.dataset.export.parquet_files import ParquetFiles, RowStream
 from sim.dataset.files.layout import MANIFEST, picture_name
 from sim.dataset.frame_rows import FrameRow, FrameRows, box_of, read_frame_rows
 from sim.dataset.reader import Dataset
@@ -27,6 +27,7 @@ from sim.scene.world import CAMERAS
 from sim.steps import counted
 
 FILE_BYTES = 512 << 20
+ROWS = "rows.arrows"  # of a part
 _QUATERNION = ("qw", "qx", "qy", "qz")
 _PICTURE = pa.struct([("bytes", pa.binary()), ("path", pa.string())])
 _F, _I, _S, _B = pa.float64(), pa.int64(), pa.string(), pa.bool_()
@@ -164,37 +165,41 @@ SCHEMA = pa.schema(_SCHEMA_COLUMNS).with_metadata(
 )
 
 
+_COLUMNS = [*_FRAME_COLUMNS, *(column for view in _VIEW_COLUMNS.values() for column in view)]
+
+
 def exporter(most_bytes: int = FILE_BYTES) -> Export:
     """The export to `parquet/frames-00000-of-00001.parquet` and so on.
 
     A file ends with the row group in which it reaches most_bytes.
     """
 
-    columns = [*_FRAME_COLUMNS, *(column for view in _VIEW_COLUMNS.values() for column in view)]
-
     @contextmanager
-    def write_parquet(dataset: Dataset, folder: Path) -> Iterator[AddSequence]:
-        def add(sequence: StoredSequence) -> None:
-            common = _common(dataset, sequence)
-            for frame in counted(read_frame_rows(sequence)):
-                labels = {name: value(frame) for name, _, value in columns}
-                files.add({**common, **_pictures(sequence, frame), **labels})
-
+    def joining(dataset: Dataset, folder: Path) -> Iterator[AddPart]:
         with closing(ParquetFiles(folder, SCHEMA, most_bytes)) as files:
-            yield add
+            yield lambda sequence, part: files.add(part / ROWS)
             files.finish()
 
-    return Export("parquet", "the Parquet files", write_parquet)
+    return Export("parquet", "parquet", "the Parquet files", write_rows, joining)
 
 
-def _common(dataset: Dataset, sequence: StoredSequence) -> dict[str, Any]:
+def write_rows(sequence: StoredSequence, labels: Collection[str], part: Path) -> None:
+    """Write the rows of a sequence as an Arrow stream."""
+    common = _common(sequence)
+    with RowStream(part / ROWS, SCHEMA) as rows:
+        for frame in counted(read_frame_rows(sequence)):
+            values = {name: value(frame) for name, _, value in _COLUMNS}
+            rows.add({**common, **_pictures(sequence, frame), **values})
+
+
+def _common(sequence: StoredSequence) -> dict[str, Any]:
     """The columns that all frames of a sequence share."""
     entry = sequence.entry
     row: dict[str, Any] = {"sequence": sequence.name}
     for key, kind in {"scenario": str, "group": str, "seed": int}.items():
         row[key] = entry.get(key)
         if not isinstance(row[key], kind):
-            path = dataset.folder / MANIFEST
+            path = sequence.folder.parent / MANIFEST
             raise FileError(path, f"sequences: {sequence.name}: {key} must be {kind.__name__}")
     for kind_, rig in (("camera", sequence.rig), ("calibration", sequence.calibration)):
         for name, camera in zip(CAMERAS, rig.cameras, strict=True):
