@@ -117,7 +117,8 @@ def export(
 
     coco: annotations/, mot: mot/, webdataset: webdataset/ (tar files), parquet: parquet/ (with the
     pictures in it, as Hugging Face's `datasets` reads it), yolo-pose: yolo-pose/ (hands),
-    yolo-seg: yolo-seg/ (masks), middlebury: middlebury/ (rectified pairs, disparity as PFM).
+    yolo-seg: yolo-seg/ (masks), middlebury: middlebury/ (rectified pairs, disparity as PFM),
+    hdf5: hdf5/ (a file a sequence).
     """
     from scenarios.dataset.finish import export_dataset
     from scenarios.execute.local import worker_count

@@ -119,7 +119,8 @@ def finish_dataset(
 def export_dataset(folder: Path, exports: Sequence[str], jobs: int) -> list[Path]:
     """Write the formats, card, Croissant record and checksums of a finished data set anew.
 
-    jobs: worker processes of the formats. Returns the files of the formats. Raises BenchError, also where the data set is not finished.
+    jobs: worker processes of the formats. Returns the files of the formats. Raises BenchError, also
+    where the data set is not finished.
     """
     dataset = open_dataset(folder)
     if not dataset.manifest.get("complete"):

@@ -15,6 +15,8 @@ from pathlib import Path
 from sim.dataset.check.contents import DatasetContents, read_contents
 from sim.dataset.check.exports.coco import FOLDER as COCO
 from sim.dataset.check.exports.coco import check_coco
+from sim.dataset.check.exports.hdf5 import FOLDER as HDF5
+from sim.dataset.check.exports.hdf5 import check_hdf5
 from sim.dataset.check.exports.mot import FOLDER as MOT
 from sim.dataset.check.exports.mot import check_mot
 from sim.dataset.check.exports.numbers import SequenceNumbers
@@ -109,6 +111,7 @@ def check_exports(
     folders = {path.partition("/")[0] for path in tree.plain if "/" in path}
     if COCO in folders:
         check_coco(tree, sequences, log)
-    if MOT in folders:
+    checks = {MOT: check_mot, HDF5: check_hdf5}
+    for folder in folders & set(checks):
         for numbers in filter(None, sequences.values()):
-            log.add("mot", check_mot(tree, numbers))
+            log.add(folder, checks[folder](tree, numbers))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from sim.dataset.export import coco, middlebury, mot, parquet, webdataset, yolo
+from sim.dataset.export import coco, hdf5, middlebury, mot, parquet, webdataset, yolo
 from sim.dataset.export.export import Export
 
 EXPORTS: Mapping[str, Export] = {
@@ -17,5 +17,6 @@ EXPORTS: Mapping[str, Export] = {
         yolo.pose,
         yolo.segmentation,
         middlebury.export,
+        hdf5.export,
     )
 }
