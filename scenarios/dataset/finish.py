@@ -11,7 +11,7 @@ from typing import Any
 
 from pjpdaf.errors import BenchError
 from reports.dataset.card import write_card
-from scenarios.console.interrupts import interrupts
+from scenarios.console.interrupts import Interrupted, interrupts
 from scenarios.console.progress import Meter, progress
 from scenarios.dataset.folder import only_process
 from scenarios.dataset.rays import compare_with_rays
@@ -120,21 +120,32 @@ def export_dataset(folder: Path, exports: Sequence[str], jobs: int) -> list[Path
     """Write the formats, card, Croissant record and checksums of a finished data set anew.
 
     jobs: worker processes of the formats. Returns the files of the formats. Raises BenchError, also
-    where the data set is not finished.
+    where the data set is not finished; Interrupted after a signal.
     """
     dataset = open_dataset(folder)
     if not dataset.manifest.get("complete"):
         raise BenchError(f"{folder}: is not finished; give the command that made it once more")
-    with only_process(folder), interrupts() as arrived, arrived.raising(), progress() as meter:
-        written = write_exports(dataset, exports, jobs, meter)
-        # The card and Croissant list the formats.
-        command = dataset.manifest.get("command")
-        argv = [str(word) for word in command] if isinstance(command, list) else []
-        meter.begin("comparing with rays", RAY_FRAMES)
-        figures = compare_with_rays(folder, RAY_FRAMES).figures
-        meter.begin("statistics and checksums", None)
-        write_top(dataset, argv, figures)
-        write_checksums(folder, [sequence.name for sequence in dataset.sequences])
+    with only_process(folder), interrupts() as arrived:
+        try:
+            with arrived.raising(), progress() as meter:
+                return _write_formats(dataset, exports, jobs, meter)
+        except KeyboardInterrupt:
+            raise Interrupted(
+                f"interrupted: not all formats of {folder} are written, nor their checksums; the "
+                "same command writes them anew"
+            ) from None
+
+
+def _write_formats(dataset: Dataset, exports: Sequence[str], jobs: int, meter: Meter) -> list[Path]:
+    """Write formats, and what lists them: card, Croissant record, checksums."""
+    written = write_exports(dataset, exports, jobs, meter)
+    command = dataset.manifest.get("command")
+    argv = [str(word) for word in command] if isinstance(command, list) else []
+    meter.begin("comparing with rays", RAY_FRAMES)
+    figures = compare_with_rays(dataset.folder, RAY_FRAMES).figures
+    meter.begin("statistics and checksums", None)
+    write_top(dataset, argv, figures)
+    write_checksums(dataset.folder, [sequence.name for sequence in dataset.sequences])
     return written
 
 

@@ -7,6 +7,7 @@ has. What a frame lacks (a lost picture, the flow of the last frame to a next) i
 from __future__ import annotations
 
 import importlib
+import io
 import json
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
@@ -58,7 +59,8 @@ def write_file(sequence: StoredSequence, labels: Collection[str], part: Path) ->
             "HDF5 needs h5py, which is not installed: install pjpdaf-bench[dataset]."
         ) from missing
     frames = read_frame_rows(sequence)
-    with library.File(part / f"{sequence.name}{SUFFIX}", "w") as file:
+    path = part / f"{sequence.name}{SUFFIX}"
+    with _DiskFile(path, "w+b") as disk, library.File(disk, "w") as file:
         file.attrs.update({**sequence_values(sequence), "fps": sequence.fps})
         file["conventions"] = json.dumps(conventions())
         for kind, rig in (("cameras", sequence.rig), ("calibration", sequence.calibration)):
@@ -67,16 +69,39 @@ def write_file(sequence: StoredSequence, labels: Collection[str], part: Path) ->
                     file[f"{kind}/{name}/{key}"] = getattr(camera, key)
         for name, values in truth_arrays(sequence, frames).items():
             file[f"truth/{name}"] = values
-        _write_pictures(file, sequence, labels, frames)
+        for _ in _pictures_written(file, sequence, labels, frames):
+            disk.check()
+    disk.check()
+
+
+class _DiskFile(io.FileIO):
+    """A file that keeps the fault of its disk: HDF5's library would end the process at its end."""
+
+    _fault: OSError | None = None
+
+    def write(self, data: Any) -> int:
+        """Write all data, or nothing more after a fault."""
+        rest = memoryview(data).cast("B")
+        while rest and self._fault is None:
+            try:
+                rest = rest[super().write(rest) :]
+            except OSError as fault:
+                self._fault = fault
+        return memoryview(data).nbytes
+
+    def check(self) -> None:
+        """Raise the fault of the disk, if there was one."""
+        if self._fault is not None:
+            raise self._fault
 
 
 export = Export("hdf5", "hdf5", "the HDF5 files", write_file)
 
 
-def _write_pictures(
+def _pictures_written(
     file: Any, sequence: StoredSequence, labels: Collection[str], frames: list[FrameRows]
-) -> None:
-    """Write pictures, labels and person-free pictures."""
+) -> Iterator[None]:
+    """Write pictures, labels and person-free pictures; yields after each frame."""
     count = len(frames)
     filmed = {camera: _Stack.of(file, sequence, "pictures", camera, 3, count) for camera in CAMERAS}
     labelled = [
@@ -98,6 +123,7 @@ def _write_pictures(
                     _create(file, name, (count, *array.shape), array.dtype)
                 file[name][frame.index] = array
         step()
+        yield
     for camera in CAMERAS:
         learnt = sequence.background_count
         stack = _Stack.of(file, sequence, "pictures", f"background_{camera}", 3, learnt)
