@@ -13,7 +13,7 @@ from shared import shared
 from scenarios.play.recipe import sized
 from scenarios.spec.draw import perform
 from scenarios.spec.names import load_scenario
-from sim.dataset.export import coco, hdf5, mot
+from sim.dataset.export import coco, mot
 from sim.dataset.files import encode
 from sim.dataset.files.checksums import sha256_of, text_of
 from sim.dataset.files.conventions import conventions
@@ -77,7 +77,6 @@ def make(root):
     dataset = open_dataset(single)
     coco.export(dataset, single)
     mot.export(dataset, single)
-    hdf5.export(dataset, single)
     resum(single)
 
 

@@ -3,7 +3,6 @@
 import shutil
 import sys
 
-import h5py
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -17,6 +16,8 @@ from sim.dataset.files.cameras import camera_of
 from sim.dataset.files.layout import LABELS, frames_with
 from sim.dataset.labels.records import NO_SURFACE
 from sim.scene.world import CAMERAS
+
+h5py = pytest.importorskip("h5py")
 
 
 @pytest.fixture(scope="module")

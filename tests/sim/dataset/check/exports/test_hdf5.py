@@ -1,11 +1,36 @@
 """Damaged HDF5 files, and files that lead elsewhere."""
 
-import h5py
+import shutil
+
 import numpy as np
 import pytest
 from damaged_dataset import SEQ, faults_of, files
 
+from sim.dataset.export.hdf5 import export
+from sim.dataset.reader import open_dataset
+
+h5py = pytest.importorskip("h5py")
 FILE = f"hdf5/{SEQ}.h5"
+
+
+@pytest.fixture(scope="module")
+def exported(single, tmp_path_factory):
+    """`single` with HDF5; read only."""
+    folder = tmp_path_factory.mktemp("hdf5") / "set"
+    shutil.copytree(single, folder)
+    export(open_dataset(folder), folder)
+    return folder
+
+
+@pytest.fixture
+def copy(exported, tmp_path):
+    """A copy that a test may damage."""
+    shutil.copytree(exported, tmp_path / "copy")
+    return tmp_path / "copy"
+
+
+def test_a_sound_copy_has_no_fault(copy):
+    assert faults_of(copy) == []
 
 
 def only_fault(copy):
