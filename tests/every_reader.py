@@ -14,6 +14,13 @@ MOVING = """() => document.getAnimations().filter(a => a.playState === 'running'
   && a.effect.getComputedTiming().duration > 1).length
   + [...document.querySelectorAll('video')].filter(v => !v.paused).length"""
 
+# Words in which a line may end between a number and its "%"; commands are copied as they are.
+PARTED = r"""() => { const found = [];
+  const words = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (words.nextNode()) { const { textContent: text, parentElement: at } = words.currentNode;
+    if (/\d %/.test(text) && !at.closest('code, script, style, svg')) found.push(text.trim()); }
+  return found; }"""
+
 
 def widest(view, selector):
     """By how much the widest of these places is too narrow for what is in it [px]."""
@@ -37,8 +44,9 @@ def violations(view):
 def faults(view, stops=25):
     """What stands in any reader's way, on a desk by day and on a phone in the dark.
 
-    A rule of WCAG that is broken; something wider than the screen; motion that a reader who prefers
-    none still gets; a stop of the Tab key, of the first `stops`, that does not show.
+    A rule of WCAG that is broken; something wider than the screen; a line that may end between a
+    number and its "%"; motion that a reader who prefers none still gets; a stop of the Tab key, of
+    the first `stops`, that does not show.
     """
     found = []
     for width, height, scheme in SCREENS:
@@ -47,6 +55,7 @@ def faults(view, stops=25):
         here = [*violations(view)]
         if (over := view.evaluate("document.documentElement.scrollWidth") - width) > 0:
             here.append(("too wide", f"{over} px"))
+        here += [("parted", words) for words in view.evaluate(PARTED)[:5]]
         if moving := view.evaluate(MOVING):
             here.append(("moves", str(moving)))
         found += [(width, scheme, *fault) for fault in here]

@@ -64,9 +64,7 @@ def status_spans(samples: Sequence[Sample]) -> list[Span]:
     return spans
 
 
-def _missing_spans(
-    samples: Sequence[Sample], frames: Sequence[int]
-) -> list[tuple[float, float]]:
+def _missing_spans(samples: Sequence[Sample], frames: Sequence[int]) -> list[tuple[float, float]]:
     """The times of frames with a missing picture."""
     if len(samples) < 2:
         return []

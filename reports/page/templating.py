@@ -66,6 +66,7 @@ def _environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
+        finalize=_shares_kept_whole,
     )
     environment.filters.update(
         number=number,
@@ -79,6 +80,14 @@ def _environment() -> jinja2.Environment:
         shell=shlex.join,
     )
     return environment
+
+
+@jinja2.pass_eval_context
+def _shares_kept_whole(context: jinja2.nodes.EvalContext, value: Any) -> Any:
+    """A value to print; in HTML text no line ends between a number and its "%"."""
+    if context.autoescape and type(value) is str:
+        return value.replace(" %", "\N{NO-BREAK SPACE}%")
+    return value
 
 
 def plain_value(value: Any) -> str:

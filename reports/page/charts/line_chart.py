@@ -83,4 +83,3 @@ def line_chart(
             ]
     parts.append(legend([s.target for s in series]))
     return svg(parts, height, f"{titles[1]} against {titles[0]}")
-

@@ -95,9 +95,7 @@ def _axis(panel: Panel, top: int) -> Axis:
     return Axis(low - room, high + room, *ends)
 
 
-def _lines(
-    times_s: Floats, panel: Panel, x: Axis, y: Axis, hollow: Floats | None
-) -> list[str]:
+def _lines(times_s: Floats, panel: Panel, x: Axis, y: Axis, hollow: Floats | None) -> list[str]:
     """Line and markers of each target; without `hollow` no markers."""
     parts = []
     for t, target in enumerate(TARGETS):

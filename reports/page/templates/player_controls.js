@@ -52,7 +52,7 @@ function readout(ep, i, second) {
     row.cells[4].textContent = ep.merged[t][i] === "1" ? "merged" : "";
   }
   const doubts = [ep.exchange[i], ...(second ? [second.ep.exchange[second.i]] : [])];
-  const stated = doubts.map((p) => p === undefined || Number.isNaN(p) ? "–" : `${(100 * p).toFixed(1)} %`).join(" | ");
+  const stated = doubts.map((p) => p === undefined || Number.isNaN(p) ? "–" : `${(100 * p).toFixed(1)}\u00a0%`).join(" | ");
   part("doubt").textContent = doubts.every((p) => Number.isNaN(p)) ? "" : `Chance that the hands are exchanged, as the tracker states it: ${stated}`;
 }
 
