@@ -122,7 +122,7 @@ def test_slider_keys_layers_and_sequences(file, opened, shown):
         np.testing.assert_allclose(said, np.array(data["positions"][19][1]) * 1e-4, atol=1e-3)
         share = data["visible"][19][0][1]
         assert row.nth(2).inner_text() == (
-            "out of view" if share is None else f"{share / 10:.1f} %"
+            "out of view" if share is None else f"{share / 10:.1f}\N{NO-BREAK SPACE}%"
         )
         # The next sequence lacks most layers.
         view.keyboard.press("n")
