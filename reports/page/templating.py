@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shlex
+from collections.abc import Callable
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -51,9 +52,16 @@ def shared_scripts() -> list[Markup]:
 
 def write_text(path: Path, text: str) -> Path:
     """Write a page, whole or not at all, and return its path. Raises BenchError."""
+    return write_made(path, lambda: text)
+
+
+def write_made(path: Path, make: Callable[[], str]) -> Path:
+    """Make a page and write it as `write_text` does; a place that cannot be written comes first."""
     noun = "the report"
-    with written_whole_file(path, noun, replace=True) as part, disk_faults(path, noun):
-        part.write_text(text, encoding="utf-8")
+    with written_whole_file(path, noun, replace=True) as part:
+        text = make()
+        with disk_faults(path, noun):
+            part.write_text(text, encoding="utf-8")
     return path
 
 
