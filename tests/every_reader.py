@@ -21,6 +21,16 @@ PARTED = r"""() => { const found = [];
     if (/\d %/.test(text) && !at.closest('code, script, style, svg')) found.push(text.trim()); }
   return found; }"""
 
+PAPER_PX = {"width": 718, "height": 1047}  # of A4 without its margins
+# Charts, drawings and pictures that paper lacks, cuts, or has empty.
+UNPRINTED = """() => [...document.querySelectorAll('main svg.chart, main canvas, main img')]
+  .filter(e => !e.closest('[hidden]')).filter(e => {
+    const { width, height, right } = e.getBoundingClientRect();
+    const blank = e.tagName === 'CANVAS' && !e.getContext('2d')
+      .getImageData(0, 0, e.width, e.height).data.some(v => v > 0);
+    return width < 40 || height < 20 || right > innerWidth + 1 || blank;
+  }).map(e => e.outerHTML.slice(0, 120))"""
+
 
 def widest(view, selector):
     """By how much the widest of these places is too narrow for what is in it [px]."""
@@ -35,10 +45,24 @@ def violations(view):
     view.evaluate(f"document.querySelectorAll('{closed}').forEach(b => b.click())")
     view.evaluate(AXE.read_text(encoding="utf-8"))
     found = view.evaluate(
-        "tags => axe.run(document, { runOnly: { type: 'tag', values: tags } })", LEVELS
+        # Details of what is in order would take most of the time.
+        "tags => axe.run(document, { runOnly: { type: 'tag', values: tags }, "
+        "resultTypes: ['violations'] })",
+        LEVELS,
     )
     assert len(found["passes"]) > 10  # it did look
     return [(v["id"], v["nodes"][0]["html"][:99]) for v in found["violations"]]
+
+
+def unprinted(view):
+    """What of the page's charts and pictures is not on paper as it should be."""
+    view.set_viewport_size(PAPER_PX)
+    view.emulate_media(media="print")
+    view.evaluate("dispatchEvent(new Event('beforeprint'))")
+    found = view.evaluate(UNPRINTED)
+    view.evaluate("dispatchEvent(new Event('afterprint'))")
+    view.emulate_media(media="screen")
+    return found
 
 
 def faults(view, stops=25):
@@ -46,7 +70,7 @@ def faults(view, stops=25):
 
     A rule of WCAG that is broken; something wider than the screen; a line that may end between a
     number and its "%"; motion that a reader who prefers none still gets; a stop of the Tab key, of
-    the first `stops`, that does not show.
+    the first `stops`, that does not show; a chart or picture that is not printed.
     """
     found = []
     for width, height, scheme in SCREENS:
@@ -64,4 +88,4 @@ def faults(view, stops=25):
         view.keyboard.press("Tab")
         if unseen := view.evaluate(UNSEEN):
             found.append(("no focus to see", unseen))
-    return found
+    return found + [("not printed", what) for what in unprinted(view)]

@@ -86,6 +86,7 @@ def _environment() -> jinja2.Environment:
         group_title=group_title,
         plain_markdown=plain_markdown,
         shell=shlex.join,
+        words=words_kept_whole,
     )
     return environment
 
@@ -101,6 +102,11 @@ def _shares_kept_whole(context: jinja2.nodes.EvalContext, value: Any) -> Any:
 def plain_value(value: Any) -> str:
     """A value of run.json for reading: text as it is, all else as JSON."""
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+
+
+def words_kept_whole(command: str) -> Markup:
+    """A command in which lines end between words alone, not behind the hyphens of an option."""
+    return Markup(" ").join(Markup("<span>{}</span>").format(word) for word in command.split(" "))
 
 
 def group_title(group: str) -> str:

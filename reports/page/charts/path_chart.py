@@ -119,11 +119,13 @@ def _box(low: Floats, high: Floats, place: Any, axes: Axes) -> str:
     upright = np.array([[low[0], high[1], low[2]], [low[0], high[1], high[2]]])
     parts.append(f'<path class="grid" d="{path_data(place(upright))}"/>')
     places = (
-        (np.array([(low[0] + high[0]) / 2, high[1], low[2]]), 44, 24),
-        (np.array([high[0], (low[1] + high[1]) / 2, low[2]]), -40, 24),
-        (np.array([low[0], high[1], high[2]]), -8, -8),
+        (np.array([(low[0] + high[0]) / 2, high[1], low[2]]), 26, 26, "start"),
+        (np.array([high[0], (low[1] + high[1]) / 2, low[2]]), -22, 26, "end"),
+        (np.array([low[0], high[1], high[2]]), -8, -8, "middle"),
     )
-    for name, (point, dx, dy) in zip(axes.names, places, strict=True):
+    for name, (point, dx, dy, anchor) in zip(axes.names, places, strict=True):
         x, y = place(point)
-        parts.append(f'<text x="{x + dx:.1f}" y="{y + dy:.1f}" text-anchor="middle">{name}</text>')
+        parts.append(
+            f'<text x="{x + dx:.1f}" y="{y + dy:.1f}" text-anchor="{anchor}">{name}</text>'
+        )
     return "".join(parts)

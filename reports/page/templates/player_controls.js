@@ -68,6 +68,15 @@ function listEvents(ep) {
   part("no-events").hidden = ep.events.length > 0;
 }
 
+// A command in which lines end between words alone.
+function showCommand(command) {
+  part("command").replaceChildren(...command.split(" ").flatMap((word) => {
+    const whole = document.createElement("span");
+    whole.textContent = word;
+    return [whole, " "];
+  }));
+}
+
 // frame: null for the worst; other: key of the run to compare with, "" for the one of before.
 async function load(key, frame, other = "") {
   stop();
@@ -78,7 +87,7 @@ async function load(key, frame, other = "") {
   slider.max = String(ep.frames.length - 1);
   const option = picker.selectedOptions[0];
   part("facts").textContent = option ? option.dataset.facts : "";
-  if (part("command")) part("command").textContent = option?.dataset.command ?? "";
+  if (part("command")) showCommand(option?.dataset.command ?? "");
   listEvents(ep);
   drawMarks(ep);
   const last = key.lastIndexOf("-");
