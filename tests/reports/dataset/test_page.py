@@ -74,9 +74,14 @@ def test_it_is_escaped_and_asks_for_nothing(page, shown):
         assert word not in outside, word
 
 
-def test_the_same_data_set_gives_the_same_page(dataset, page):
-    again = sequence_views(open_dataset(dataset.folder).sequences)
-    assert dataset_page(dataset, statistics_of(dataset), again, HOSTILE) == page
+def test_the_same_data_set_gives_the_same_page(dataset, shown):
+    def page():
+        opened = open_dataset(dataset.folder)
+        first = sequence_views(opened.sequences, least)
+        return dataset_page(opened, statistics_of(opened), first, HOSTILE)
+
+    least = sum(len(packed) for _, packed in shown[0].packed.values()) // 5  # of all layers
+    assert page() == page()
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from every_reader import violations, widest
+from every_reader import unprinted, violations, widest
 
 from reports.gate.gate import compare
 from reports.page.page import build_page, write_page
@@ -72,6 +72,8 @@ def test_on_a_desk(report, opened):
         assert view.pdf(format="A4").startswith(b"%PDF")
         assert view.evaluate("window.shut") == 0
         assert view.evaluate(f"{closed}.length") == before
+        assert unprinted(view) == []
+        view.set_viewport_size(settings["viewport"])
         view.emulate_media(media="screen", reduced_motion="reduce")
         assert violations(view) == []
         assert widest(view, "html, .scroll") <= 0
