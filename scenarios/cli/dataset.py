@@ -111,17 +111,21 @@ def make(
 def export(
     folder: DatasetFolder,
     to: ExportFormats = None,
+    jobs: Jobs = None,
 ) -> None:
     """Write a data set in other formats too, into its own folder; older ones are replaced.
 
     coco: annotations/, mot: mot/, webdataset: webdataset/ (tar files), parquet: parquet/ (with the
     pictures in it, as Hugging Face's `datasets` reads it), yolo-pose: yolo-pose/ (hands),
-    yolo-seg: yolo-seg/ (masks), middlebury: middlebury/ (rectified pairs, disparity as PFM).
+    yolo-seg: yolo-seg/ (masks), middlebury: middlebury/ (rectified pairs, disparity as PFM),
+    hdf5: hdf5/ (a file a sequence).
     """
     from scenarios.dataset.finish import export_dataset
+    from scenarios.execute.local import worker_count
     from sim.dataset.reader import open_dataset
 
-    for path in export_dataset(folder, parse_formats(to, open_dataset(folder).labels)):
+    formats = parse_formats(to, open_dataset(folder).labels)
+    for path in export_dataset(folder, formats, worker_count(jobs)):
         typer.echo(path)
 
 

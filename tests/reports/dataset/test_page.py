@@ -150,9 +150,9 @@ def test_bars_jump_marks_toggle_and_playing_goes_on(file, opened, shown):
         last = rows[-1]["spans"][-1][0]
         view.locator(".lane").nth(len(rows) - 1).locator("button").last.click()
         at(view, frame=last)
-        for name in ("boxes", "points"):
+        for name, on in (("boxes", False), ("joints", False), ("points", True)):
             full = drawn(view)
-            view.locator(f"[data-part=show-{name}]").uncheck()
+            view.locator(f"[data-part=show-{name}]").set_checked(on)
             until(
                 view,
                 "old => document.querySelector('[data-part=left]').toDataURL() !== old",

@@ -41,7 +41,9 @@ def runs(tmp_path_factory):
         for system in SYSTEMS.values()
         for seed in range(100, 103)
     ]
-    rows = [rows_of(play_complete(job)) for job in jobs]
+    with pytest.MonkeyPatch.context() as patch:  # both systems are shown the same pictures
+        patch.setenv("PJPDAF_BENCH_CACHE", str(folder / "cache"))
+        rows = [rows_of(play_complete(job)) for job in jobs]
     for k, name in enumerate(SYSTEMS):
         save(folder / name, rows[3 * k : 3 * k + 3], RunInfo(name))
         save_slim(load(folder / name), folder / f"{name}-slim")
