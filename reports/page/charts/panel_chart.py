@@ -101,10 +101,12 @@ def _lines(times_s: Floats, panel: Panel, x: Axis, y: Axis, hollow: Floats | Non
     for t, target in enumerate(TARGETS):
         places = np.column_stack([x.all(times_s), y.all(panel.y[:, t])])
         parts.append(f'<path class="line {target}" d="{path_data(places)}"/>')
-        for i in np.flatnonzero(np.isfinite(places[:, 1])) if hollow is not None else ():
+        if hollow is None:
+            continue
+        for i in np.flatnonzero(np.isfinite(places[:, 1])).tolist():
             text = f"{LABELS[target]}, {times_s[i]:.2f} s: {panel.y[i, t]:.3f}"
-            at = places[i].tolist()
-            parts.append(marker(target, *at, 2.4, text, hollow=bool(hollow[i, t])))
+            x_px, y_px = places[i].tolist()
+            parts.append(marker(target, x_px, y_px, 2.4, text, hollow=bool(hollow[i, t])))
     return parts
 
 

@@ -2,6 +2,8 @@
 
 import re
 
+import cv2
+import numpy as np
 import pytest
 from every_reader import faults
 
@@ -55,7 +57,9 @@ def test_a_short_film_is_inside_and_a_long_one_is_linked(record_of, info, tmp_pa
 
 
 def test_it_is_for_every_reader(record_of, info, opened, tmp_path):
-    page = track_page(record_of([WAITING, *[TRACKED] * 6, *[LOST] * 3], missing=(3,)), info())
+    grey = cv2.imencode(".jpg", np.full((120, 320, 3), 90, np.uint8))[1].tobytes()
+    statuses = [WAITING, *[TRACKED] * 6, *[LOST] * 3]
+    page = track_page(record_of(statuses, missing=(3,), jpeg=lambda _: grey), info())
     path = write_text(tmp_path / "report.html", page)
     with opened(path, "#tracks .chart", reduced_motion="reduce") as view:
         assert faults(view) == []
