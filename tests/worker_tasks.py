@@ -107,3 +107,13 @@ def memory_after(job):
     words = Path("/proc/self/status").read_text().split()
     now, most = (int(words[words.index(name) + 1]) / 1e3 for name in ("VmRSS:", "VmHWM:"))
     return os.getpid(), now, most
+
+
+def killed_while_it_writes(mark, often, write, sequence, labels, part):
+    """Write a part of an export; that of seq_000001 only after so many attempts that are killed."""
+    attempts = len(mark.read_text()) if mark.exists() else 0
+    if sequence.name == "seq_000001" and attempts < often:
+        mark.write_text("x" * (attempts + 1))
+        (part / "half").mkdir()
+        os.kill(os.getpid(), signal.SIGKILL)
+    write(sequence, labels, part)

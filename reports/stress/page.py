@@ -11,7 +11,7 @@ from pjpdaf.targets import TARGETS
 from reports.page.episode_tables import episode_tables
 from reports.page.page import PLAYER
 from reports.page.run_entries import RunEntry, films_left_out, opening_entry, run_entries
-from reports.page.templating import rendered, script, shared_scripts, styles, write_text
+from reports.page.templating import rendered, script, shared_scripts, styles, write_made
 from reports.run.load import SavedRun, read_film
 from reports.stress.load import StressFolder, load_stress
 from reports.stress.records import CellRecord, FailureRecord
@@ -86,7 +86,7 @@ def build_stress_page(folders: Sequence[StressFolder]) -> str:
 
 def write_stress_page(folders: Sequence[Path], path: Path) -> Path:
     """Write the page of stress folders and return its path. Raises BenchError."""
-    return write_text(path, build_stress_page(load_stress(folders)))
+    return write_made(path, lambda: build_stress_page(load_stress(folders)))
 
 
 def _played(
