@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import threading
@@ -13,6 +14,7 @@ from urllib.parse import parse_qs, urlparse
 
 import pytest
 from ruamel.yaml import YAML
+from shared import shared
 
 from scenarios.run.request import parse_shard
 
@@ -110,15 +112,19 @@ def played(folder, tracker, out):
     assert done.returncode == 0, done.stderr
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """Where the play step of the action has been run, with our own example as the tracker."""
-    folder = tmp_path_factory.mktemp("ci")
+def play_and_accept(folder):
+    """Run the play step of the action with our own example as the tracker; its run is the base."""
     (folder / "own_tracker.py").write_text((ROOT / "examples/own_tracker.py").read_text())
     played(folder, "own_tracker:NearestBlob", "runs/mine")
     done = shell("pjpdaf-bench baseline accept runs/mine base", folder)
     assert done.returncode == 0, done.stderr
-    return folder
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Where the play step has been run."""
+    once = shared(tmp_path_factory, "ci", play_and_accept)
+    return Path(shutil.copytree(once, tmp_path_factory.mktemp("ci") / "folder"))
 
 
 def compared(folder, baseline, out, margins="", allow="false"):
