@@ -158,7 +158,9 @@ def test_the_action_fails_on_a_faulty_margin_and_keeps_the_exit_code(folder):
     assert output == ""
 
 
-@pytest.mark.parametrize(("allow", "code"), [("true", 0), ("false", 3)])
+@pytest.mark.parametrize(
+    ("allow", "code"), [("true", 0), pytest.param("false", 3, marks=pytest.mark.long)]
+)
 def test_inconclusive_is_a_warning_of_the_action_unless_it_shall_fail(folder, allow, code):
     if not (folder / "runs/other").exists():
         played(folder, "default", "runs/other")
@@ -276,6 +278,7 @@ def test_the_verdict_becomes_one_comment_which_the_next_run_replaces(tmp_path, f
     assert "no comment: " in comment(**{api: "http://127.0.0.1:1"})
 
 
+@pytest.mark.long
 def test_gitlabs_script_does_the_same(folder):
     job = read(GITLAB)["tracking"]
     lines = "\n".join(job["script"]).replace("run $TARGETS", f"run $TARGETS {TINY}")
