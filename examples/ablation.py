@@ -43,6 +43,8 @@ DETECTOR = tuple(
         ("chroma", "test_chroma"),
         ("light", "balance_light"),
         ("clothes", "split_clothes"),
+        ("the face where the head is expected", "expect_face"),
+        ("white light", "white_light"),
         ("rotation of the cameras", "align_views"),
     )
 )
@@ -62,6 +64,9 @@ TRACKER = (
     Part("hands cut by the edge", {"cut_hands": "false"}),
     Part("what one view hides", {"hidden_share": "0"}),
     Part("ends of bare arms", ENDS),
+    Part("hands of bare arms that meet", {"middles": "false"}, joined(ENDS, HALVES)),
+    Part("strips are no bare arms", {"arm_thickness_m": "0"}, ENDS),
+    Part("a hand missing beside the head", {"missing_hand": "false"}, BESIDE),
     Part("pieces of a bare arm at the start", {"arm_pieces": "false"}),
     Part("middle of the palm", {"palm": "0"}),
     Part("sleeves", SLEEVES),
@@ -107,7 +112,7 @@ def of_tracker(name: str, settings: Settings) -> Variant:
 WHOLE = Variant("default", System())
 REMOVED = (
     *(of_detector(f"without {part.name}", part.off) for part in DETECTOR),
-    of_detector("without the five above", NO_DETECTOR),
+    of_detector("without the parts above", NO_DETECTOR),
     *(of_tracker(f"without {part.name}", part.off) for part in TRACKER),
 )
 THESIS = Variant("thesis", System("thesis", "thesis"))

@@ -41,13 +41,15 @@ class Candidates:
 @dataclass(frozen=True, eq=False)
 class HeadPlace:
     """The head in one view: its blob; free: nothing else is in that blob; centre_px (2,);
-    shape_px2 (2, 2) second moments of the free head there.
+    shape_px2 (2, 2) second moments of the free head there; as_free: the blob is as large as the
+    free head.
     """
 
     blob: int
     free: bool
     centre_px: Floats
     shape_px2: Floats
+    as_free: bool = False
 
 
 class Candidate(NamedTuple):

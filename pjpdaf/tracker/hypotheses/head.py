@@ -113,7 +113,7 @@ def head_places(
         place = _place(blobs, pixels[view], shape, float(area), reach_px)
         if place is not None and place.free and joined[view]:
             centre, _ = settle(blobs.looks.pixels[place.blob], pixels[view], shape)
-            place = replace(place, free=False, centre_px=centre)
+            place = replace(place, free=False, centre_px=centre, as_free=True)
         places.append(place)
     return tuple(places)
 

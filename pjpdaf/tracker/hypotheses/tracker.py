@@ -234,7 +234,7 @@ class HypothesisTracker:
         axes = self.views.axes
         larger = any(place is not None and not place.free for place in places)
         before = c.face if larger or head.unseen_s > 0 else FORBIDDEN
-        alone = all(place is not None and place.free for place in places)
+        alone = all(place is not None and (place.free or place.as_free) for place in places)
         behind = c.behind if c.behind > 0 and alone else FORBIDDEN
         centre = head.mean - BEFORE_FACE_M * axes[2] + BELOW_FACE_M * axes[1]
         face = centre + reach * np.array(FACE_PLACES[: 1 if reach == 0 else None]) @ axes[:2]
