@@ -44,7 +44,6 @@ DETECTOR = tuple(
         ("light", "balance_light"),
         ("clothes", "split_clothes"),
         ("the face where the head is expected", "expect_face"),
-        ("white light", "white_light"),
         ("rotation of the cameras", "align_views"),
     )
 )

@@ -19,8 +19,6 @@ class AdaptationParameters:
     balance_light: bool = True
     # The face is looked for where the head is expected, not at the top of another silhouette.
     expect_face: bool = True
-    # The face may be lit by white light, not by light of the room's mean colour.
-    white_light: bool = True
     # Clothes of a colour near skin are told from skin.
     split_clothes: bool = True
     # A rotation of the cameras that the calibration missed is taken out.

@@ -169,8 +169,7 @@ class BlobDetector:
             coloured = self._chroma[view](small)
             person |= opened(coloured)
         focal_px = self._small_focal_px(view, picture)
-        median, white = self._chroma[view].median, self.adaptation.white_light
-        face = face_of(small, person, median, focal_px, expected, white)
+        face = face_of(small, person, self._chroma[view].median, focal_px, expected)
         return View(picture, small, person, coloured, face)
 
     def _cloth(self, number: int, view: View, face: Face | None) -> np.ndarray | None:

@@ -26,7 +26,6 @@ TOP_M = 0.05  # least width of the silhouette at its top
 DARK = 0.35  # share of the box's bright value below which a pixel is hair or shade
 BIN, BINS, LOW = 0.04, 64, -1.0  # of the histogram of log chroma
 REDDER, REDDER_SD = (0.36, 0.26), (0.15, 0.20)  # log chroma of skin above the background's
-WHITE = np.zeros(2)  # log chroma of white light
 ODDEST = 3.0  # deviations from that, of a face
 NEAR = 0.10  # radius of the face's cluster in log chroma
 LEAST_SHARE = 0.06  # of the box
@@ -83,14 +82,12 @@ def face_of(
     background_chroma: Floats,
     focal_px: float,
     expected: ExpectedHead | None = None,
-    white_too: bool = True,
 ) -> Face | None:
     """Find the face's colour in a reduced picture uint8 (h, w, 3), None where no head shows.
 
     foreground: uint8 (h, w), non-zero where the person is; background_chroma (2,): of the scene;
     focal_px: of the reduced picture. expected: the silhouette's top counts only if it is there:
-    another person may stand taller. white_too: the light may be white, whatever colour the room
-    has: a green table that fills the picture does not make a yellow shirt a face.
+    another person may stand taller.
     """
     inside = _head_box(foreground, focal_px / USUAL_DEPTH_M)
     if expected is not None and (inside is None or not expected.near(inside)):
@@ -106,13 +103,10 @@ def face_of(
     numbers = np.bincount(at[:, 0] * BINS + at[:, 1], minlength=BINS * BINS)
     counts = cv2.GaussianBlur(numbers.reshape(BINS, BINS).astype(np.float32), (0, 0), 1.0)
     centres = LOW + (np.arange(BINS) + 0.5) * BIN
-    lights = (background_chroma, WHITE) if white_too else (background_chroma,)
-    priors = []
-    for light in lights:
-        off = (centres[:, None] - light - REDDER) / REDDER_SD
-        of_u, of_v = np.exp(-0.5 * off * off).T
-        priors.append(of_u[:, None] * of_v[None, :])
-    counts *= np.max(priors, axis=0).astype(np.float32)
+    for axis in range(2):
+        off = (centres - background_chroma[axis] - REDDER[axis]) / REDDER_SD[axis]
+        prior = np.exp(-0.5 * off * off).astype(np.float32)
+        counts *= prior[:, None] if axis == 0 else prior[None, :]
     u, v = np.unravel_index(int(counts.argmax()), counts.shape)
     centre = np.array([centres[u], centres[v]])
     one, two = np.ascontiguousarray(chroma.T)  # numpy reduces an axis of 2 slowly
@@ -121,8 +115,8 @@ def face_of(
         if near.sum() < LEAST_SHARE * size:
             return None
         centre = chroma[near].mean(axis=0)
-    oddness = [(((centre - light - REDDER) / REDDER_SD) ** 2).sum() for light in lights]
-    if min(oddness) > ODDEST**2:
+    off = (centre - background_chroma - REDDER) / REDDER_SD
+    if (off * off).sum() > ODDEST**2:
         return None
     bgr = [float(np.median(channel)) for channel in np.ascontiguousarray(colours[near].T)]
     return Face(np.array(bgr), int(near.sum()))

@@ -27,6 +27,7 @@ APART_M = 0.12  # hands nearer to each other may be two pieces of one arm
 REACH_M = 0.85  # from the head
 BEHIND_M = 0.2  # the head
 WRONG_SIDE = 3.0  # cost of a right hand on the left of the left hand
+WHOLE_ARM = 4.0  # cost of a whole bare arm, whose hand is an end
 LARGEST_COST = 8.0
 HEAD_SD_M = 0.02
 
@@ -119,7 +120,6 @@ def _hands(
         & (off[:, 2] < BEHIND_M)
         & (np.linalg.norm(off, axis=1) < REACH_M)
         & (pairs.blob != pairs.blob[head]).all(axis=1)
-        & ~_whole_arms(pairs)
     )
     body = Body.under(pairs.points_m[head], views.axes, p.sleeve)
     shapes = tuple(view.looks.silhouette for view in seen)
@@ -130,7 +130,7 @@ def _hands(
     own = pairs.cost + area_cost(pairs, p.costs.hand_area_m2, p.costs)
     bare = long or all(shape is None for shape in shapes)
     if long:
-        own = own + end_cost(pairs, views.axes, p.costs)
+        own = own + end_cost(pairs, views.axes, p.costs) + WHOLE_ARM * _whole_arms(pairs)
     if bare and p.candidates.arm_pieces:
         own = own + forearm_cost(pairs, good, views.axes, p.costs.forward_m)
     hands: list[tuple[Floats, float]] = []

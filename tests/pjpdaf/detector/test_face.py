@@ -72,20 +72,6 @@ def test_a_taller_person_behind_is_not_the_face_that_is_expected():
     np.testing.assert_allclose(face.bgr, REFERENCE_BGR, atol=2)
 
 
-@pytest.mark.parametrize("white_too", [True, False])
-def test_a_shirt_of_the_colour_that_skin_had_in_green_light_is_no_face_in_white(white_too):
-    """A green table fills the picture; the shirt reaches as high as the face."""
-    skin, shirt = (60, 85, 128), (56, 117, 123)
-    scene, mask = person(skin, shirt_bgr=shirt, hair_bgr=shirt)
-    cv2.rectangle(scene, (60, 40), (100, 52), shirt, -1)
-    cv2.rectangle(mask, (60, 40), (100, 52), 1, -1)
-    cv2.ellipse(scene, (80, 39), (8, 11), 0, 0, 360, skin, -1)
-    green = np.array([-0.26, 0.25])
-    face = face_of(scene, mask, green, FOCAL_PX, white_too=white_too)
-    assert face is not None
-    np.testing.assert_allclose(face.bgr, skin if white_too else shirt, atol=2)
-
-
 def test_the_views_faces_are_averaged_by_size():
     one, two = Face(np.array([10.0, 20.0, 30.0]), 100), Face(np.array([20.0, 30.0, 40.0]), 300)
     mean = mean_face([one, two])
