@@ -1,6 +1,7 @@
 """Makes tests/strategies.py and its like importable in every test; one thread a test process."""
 
 import compileall
+import gc
 import os
 import sys
 from pathlib import Path
@@ -29,6 +30,12 @@ if "PYTEST_XDIST_WORKER" in os.environ:
         ("MKL_NUM_THREADS", "1"),
     ):
         os.environ.setdefault(name, value)
+
+
+def pytest_collection_finish():
+    """Thousands of tests and modules stay to the end: no collection of garbage looks at them."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")

@@ -254,14 +254,19 @@ def test_second_start_waits_for_the_first_and_outlives_its_death(checkout, tmp_p
     assert "venv fails" in lines[2]
 
 
+def use_python(ready, text):
+    """Put a script in the place of Python, and let the checkout believe that it was always so."""
+    python, stamp = ready / ".venv/bin/python", ready / ".venv/.bench-stamp"
+    python.unlink()
+    script(python, text)
+    lines = stamp.read_text().splitlines()
+    stamp.write_text("\n".join([*lines[:-1], str(python)]) + "\n")
+
+
 def gl_fails(ready):
     (ready / ".venv/.bench-gl").unlink()
-    (ready / ".venv/bin/python").unlink()
     message = "no offscreen OpenGL here (missing libEGL.so.1); apt-get install libegl1"
-    script(ready / ".venv/bin/python", f"echo '{message}' >&2; exit 1")
-    stamp = ready / ".venv/.bench-stamp"
-    lines = stamp.read_text().splitlines()
-    stamp.write_text("\n".join([*lines[:-1], str(ready / ".venv/bin/python")]) + "\n")
+    use_python(ready, f"echo '{message}' >&2; exit 1")
 
 
 def test_no_opengl_is_one_line_where_it_is_needed(ready, tools):
@@ -288,6 +293,35 @@ def test_opengl_is_not_asked_for_where_nothing_is_rendered(ready, tools, argumen
 def test_broken_mujoco_gl_is_left_to_the_command(ready, tools):
     gl_fails(ready)
     assert start(ready, "run", path=tools, MUJOCO_GL="potato").stdout == "<run>"
+
+
+@pytest.mark.parametrize(
+    ("faulty", "tests", "code", "said"),
+    [
+        (None, 0, 0, ["played"]),
+        (None, 3, 3, ["played"]),
+        (None, 1, 1, ["played", "played"]),  # once more what failed
+        ("ruff", 0, 1, ["ruff is unhappy", "bench: stopped: ruff check . found faults"]),
+        ("lint-imports", 0, 1, ["lint-imports is unhappy", "lint-imports found faults"]),
+        ("mypy", 0, 1, ["played", "mypy is unhappy", "bench: stopped: mypy found faults"]),
+        ("mypy", 3, 1, ["played", "mypy is unhappy", "bench: stopped: mypy found faults"]),
+    ],
+)
+def test_checks_come_before_the_tests_and_types_beside_them(
+    ready, tools, faulty, tests, code, said
+):
+    use_python(ready, f"echo played >&2; exit {tests}")
+    for name in ("ruff", "lint-imports", "mypy"):
+        script(
+            ready / f".venv/bin/{name}", f"echo {name} is unhappy; exit 1" if name == faulty else ""
+        )
+    done = start(ready, "test", path=tools)
+    assert done.returncode == code, done.stderr
+    ends = [line for line in done.stderr.splitlines() if "unhappy" in line or "played" in line]
+    ends += [line for line in done.stderr.splitlines() if "stopped" in line]
+    assert len(ends) == len(said)
+    for line, fragment in zip(ends, said, strict=True):
+        assert fragment in line
 
 
 def test_gl_module_says_what_renders_or_why_not():

@@ -21,7 +21,8 @@ ACTION = ROOT / ".github/actions/pjpdaf-bench/action.yml"
 SHARDS = ROOT / "examples/ci/github-shards.yml"
 GITHUB, GITLAB = ROOT / "examples/ci/github.yml", ROOT / "examples/ci/gitlab-ci.yml"
 COMMENT = ROOT / "examples/ci/comment.py"
-TINY = "--seeds 1 --set frames=2 --jobs 1"
+TINY = "--seeds 1 --set frames=2 --set background_frames=2 --jobs 1"
+TINY += " --set detector.background_learn_min=2"
 
 
 def read(path):
@@ -36,6 +37,7 @@ def shell(script, folder, **variables):
     command.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m scenarios "$@"\n')
     command.chmod(0o755)
     env = {**os.environ, "PYTHONPATH": str(ROOT), "PATH": f"{bin_}:{os.environ['PATH']}"}
+    env |= {"PJPDAF_BENCH_CACHE": str(folder / "cache")}  # which the action keeps between runs
     words = ["bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", script]
     return subprocess.run(
         words, cwd=folder, env=env | variables, capture_output=True, text=True, check=False

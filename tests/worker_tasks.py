@@ -99,6 +99,24 @@ def surroundings(name):
     return os.getcwd(), sys.path[0], os.environ.get(name)  # noqa: PTH109
 
 
+def memory_with_holes(above_mb):
+    """Megabytes of this process with 100 MB of holes, and after it has given memory back."""
+    from sim.processes import give_back_memory
+
+    blocks = [bytearray(1000) for _ in range(100_000)]
+    kept = blocks[::1000]
+    blocks.clear()
+    before = resident_mb()
+    give_back_memory(above_mb)
+    assert len(kept) == 100
+    return before, resident_mb()
+
+
+def resident_mb():
+    words = Path("/proc/self/status").read_text().split()
+    return int(words[words.index("VmRSS:") + 1]) / 1e3
+
+
 def memory_after(job):
     """Megabytes of this process after it has played a job: now, and at the most."""
     from scenarios.play.play import play_complete
@@ -107,3 +125,13 @@ def memory_after(job):
     words = Path("/proc/self/status").read_text().split()
     now, most = (int(words[words.index(name) + 1]) / 1e3 for name in ("VmRSS:", "VmHWM:"))
     return os.getpid(), now, most
+
+
+def killed_while_it_writes(mark, often, write, sequence, labels, part):
+    """Write a part of an export; that of seq_000001 only after so many attempts that are killed."""
+    attempts = len(mark.read_text()) if mark.exists() else 0
+    if sequence.name == "seq_000001" and attempts < often:
+        mark.write_text("x" * (attempts + 1))
+        (part / "half").mkdir()
+        os.kill(os.getpid(), signal.SIGKILL)
+    write(sequence, labels, part)

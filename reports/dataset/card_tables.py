@@ -54,6 +54,12 @@ _KINDS = {
 _BESIDE = {
     "annotations": "`annotations/`, masks, boxes and keypoints as COCO has them",
     "mot": "`mot/`, tracks as MOTChallenge has them",
+    "webdataset": "`webdataset/`, pictures and labels by frame in tar files for WebDataset",
+    "parquet": "`parquet/`, a row a frame, with both pictures",
+    "yolo-pose": "`yolo-pose/`, the hands' joints as Ultralytics YOLO has them",
+    "yolo-seg": "`yolo-seg/`, outlines of head and hands as Ultralytics YOLO has them",
+    "middlebury": "`middlebury/`, rectified pairs and disparity as Middlebury has them",
+    "hdf5": "`hdf5/`, pictures, labels and truth as arrays, a file a sequence",
 }
 
 

@@ -12,20 +12,24 @@ from reports.dataset import label_colours
 from reports.dataset.event_rows import event_rows
 from reports.dataset.sequence_view import SequenceView
 from reports.words import readable_name
-from sim.dataset.files.layout import EVENTS
+from sim.dataset.export.coco_ids import categories
+from sim.dataset.files.layout import EVENTS, SKELETON
 from sim.dataset.files.reading import read_json
+from sim.dataset.labels.records import SKELETONS
+from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 
 
 def sequence_data(view: SequenceView) -> dict[str, Any]:
     """A sequence's numbers as plain values: whole 0.1 mm, mm/s, 0.1 px, per mille, ms.
 
-    Each list has an entry per frame, and in it an entry per view and target or keypoint.
+    Each list has an entry per frame, and in it an entry per view and target, keypoint or skeleton.
     """
     sequence, T = view.sequence, len(TARGETS)
     rows = sequence.truth.iloc[: T * view.frames].to_dict("records")
     frames = [rows[i : i + T] for i in range(0, len(rows), T)]
     rigs = sequence.rig.cameras
+    skeletons = _skeleton_rows(sequence, view.frames)
     return {
         "name": view.name,
         "fps": sequence.fps,
@@ -44,6 +48,8 @@ def sequence_data(view: SequenceView) -> dict[str, Any]:
             frames, lambda r, c: [readable_name(str(o)[:40]) for o in r[f"merged_with_{c}"]]
         ),
         "keypoints": _per_view(frames, _keypoints),
+        "skeletons": _per_view(skeletons, _skeleton),
+        "bones": _bones(),
         "events": event_rows(read_json(sequence.folder / EVENTS), view.frames),
         "legend": [
             [_css_colour(label_colours.instance_colour(instance.id)), instance.name[:60]]
@@ -51,6 +57,24 @@ def sequence_data(view: SequenceView) -> dict[str, Any]:
             if 0 <= instance.id <= 255
         ],
     }
+
+
+def _skeleton_rows(sequence: StoredSequence, frames: int) -> list[list[Mapping[Any, Any]]]:
+    """The rows of each frame's skeletons; none of a data set of version 1, which has no such."""
+    if not (sequence.folder / SKELETON).exists():
+        return [[] for _ in range(frames)]
+    n = len(SKELETONS)
+    rows = sequence.skeletons.iloc[: n * frames].to_dict("records")
+    return [rows[i : i + n] for i in range(0, len(rows), n)]
+
+
+def _bones() -> list[list[list[int]]]:
+    """The pairs of points, from 0, that a line joins, of each skeleton."""
+    pairs = {category["name"]: category.get("skeleton", []) for category in categories()}
+    return [
+        [[a - 1, b - 1] for a, b in pairs[name] if max(a, b) <= len(points)]
+        for name, points in SKELETONS.items()
+    ]
 
 
 def _per_view(frames: Sequence[Sequence[Mapping[Any, Any]]], value: Any) -> list[Any]:
@@ -80,7 +104,15 @@ def _occluders(row: Mapping[Any, Any], view: str) -> list[list[Any]]:
 
 def _keypoints(row: Mapping[Any, Any], view: str) -> list[list[int | None]]:
     """x, y [0.1 px] and status of a target's keypoints."""
-    pixels, states = row[f"keypoints_{view}_px"], row[f"keypoint_status_{view}"]
+    return _points(row[f"keypoints_{view}_px"], row[f"keypoint_status_{view}"])
+
+
+def _skeleton(row: Mapping[Any, Any], view: str) -> list[list[int | None]]:
+    """x, y [0.1 px] and status of a skeleton's points."""
+    return _points(row[f"points_{view}_px"], row[f"point_status_{view}"])
+
+
+def _points(pixels: Any, states: Any) -> list[list[int | None]]:
     return [
         [_whole(x, 10), _whole(y, 10), int(state)]
         for (x, y), state in zip(pixels, states, strict=True)

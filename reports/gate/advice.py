@@ -7,7 +7,7 @@ import shlex
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from scipy.stats import norm, t
+from scipy.special import ndtr, ndtri, stdtrit
 
 from reports.gate.metrics import METRICS
 from reports.gate.replay import system_options, targets_of
@@ -60,14 +60,14 @@ def power_of(d: Difference, margin: float, draws: float, alpha: float, tests: in
     Mean and spread are taken as measured, the distribution as normal; tests: over how many Holm
     corrects.
     """
-    se = (d.high - d.low) / 2 / t.isf(alpha / 2, d.draws - 1) * math.sqrt(d.draws / draws)
+    se = (d.high - d.low) / 2 / -stdtrit(d.draws - 1, alpha / 2) * math.sqrt(d.draws / draws)
     if se == 0.0:
         return 1.0
-    half = t.isf(alpha / 2, draws - 1) * se
-    passes = norm.cdf((margin - half - d.mean) / se)
+    half = -stdtrit(draws - 1, alpha / 2) * se
+    passes = ndtr((margin - half - d.mean) / se)
     enough = draws >= least_draws(alpha, tests)
-    needed = max(margin, half, norm.isf(alpha / tests) * se)
-    return float(passes + (norm.sf((needed - d.mean) / se) if enough else 0.0))
+    needed = max(margin, half, -ndtri(alpha / tests) * se)
+    return float(passes + (ndtr((d.mean - needed) / se) if enough else 0.0))
 
 
 def _seeds_that_decide(

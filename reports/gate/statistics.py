@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import binomtest, norm, t
+from scipy.special import ndtr, stdtrit
 
 from pjpdaf.arrays import Floats
 
@@ -74,7 +74,7 @@ def clustered_bootstrap(
         deviations += math.sqrt(m / (m - 1)) * chosen[drawn].sum(axis=1)
     if freedom == 0:
         return Difference(mean, -math.inf, math.inf, n, len(members))
-    tail = float(norm.cdf(t.ppf((1.0 - level) / 2, freedom)))
+    tail = float(ndtr(stdtrit(freedom, (1.0 - level) / 2)))
     low, high = np.quantile(deviations, [tail, 1.0 - tail])
     return Difference(mean, mean + float(low), mean + float(high), n, len(members))
 
@@ -140,6 +140,8 @@ def mcnemar(differences: Floats, draws: Sequence[Hashable]) -> float:
     differences: +1 where only the new run has it, -1 where only the base. Only draws in which the
     two differ count, one vote each: of these, half should be the new one's. 1 where none differ.
     """
+    from scipy.stats import binomtest  # takes half a second to load: every command would wait
+
     changed = totals(differences, draws)
     worse, better = int((changed > 0).sum()), int((changed < 0).sum())
     if worse + better == 0:
@@ -160,6 +162,8 @@ def holm(p_values: Sequence[float]) -> tuple[float, ...]:
 
 def wilson(hits: int, n: int, level: float = LEVEL) -> tuple[float, float]:
     """Wilson's interval of a share (0, 1 where n = 0)."""
+    from scipy.stats import binomtest
+
     if n == 0:
         return 0.0, 1.0
     interval = binomtest(hits, n).proportion_ci(level, method="wilson")

@@ -111,17 +111,21 @@ def make(
 def export(
     folder: DatasetFolder,
     to: ExportFormats = None,
+    jobs: Jobs = None,
 ) -> None:
     """Write a data set in other formats too, into its own folder; older ones are replaced.
 
     coco: annotations/, mot: mot/, webdataset: webdataset/ (tar files), parquet: parquet/ (with the
     pictures in it, as Hugging Face's `datasets` reads it), yolo-pose: yolo-pose/ (hands),
-    yolo-seg: yolo-seg/ (masks), middlebury: middlebury/ (rectified pairs, disparity as PFM).
+    yolo-seg: yolo-seg/ (masks), middlebury: middlebury/ (rectified pairs, disparity as PFM),
+    hdf5: hdf5/ (a file a sequence).
     """
     from scenarios.dataset.finish import export_dataset
+    from scenarios.execute.local import worker_count
     from sim.dataset.reader import open_dataset
 
-    for path in export_dataset(folder, parse_formats(to, open_dataset(folder).labels)):
+    formats = parse_formats(to, open_dataset(folder).labels)
+    for path in export_dataset(folder, formats, worker_count(jobs)):
         typer.echo(path)
 
 
@@ -184,9 +188,9 @@ def parse_formats(text: str | None, labels: Collection[str]) -> tuple[str, ...]:
     for name in named:
         if name not in EXPORTS:
             hint = suggestion(name, (*EXPORTS, "none"))
-            raise BenchError(f"--export {name[:40]}: no such format{hint}")
+            raise BenchError(f"{name[:40]}: no such format{hint}")
     for name in named:
         label = EXPORTS_NEED.get(name)
         if label is not None and label not in labels:
-            raise BenchError(f"--export {name}: is made of the label {label}, which is left out")
+            raise BenchError(f"{name}: is made of the label {label}, which is left out")
     return tuple(name for name in EXPORTS if name in named)

@@ -55,8 +55,8 @@ ExportFormats = Annotated[
     str | None,
     typer.Option(
         metavar="A,B",
-        help="Of coco, mot, webdataset, parquet, yolo-pose, yolo-seg, middlebury; or none "
-        "[coco,mot].",
+        help="Of coco, mot, webdataset, parquet, yolo-pose, yolo-seg, middlebury, hdf5; or "
+        "none [coco,mot].",
     ),
 ]
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from pjpdaf.errors import BenchError
 from reports.dataset.card import write_card
-from scenarios.console.interrupts import interrupts
-from scenarios.console.progress import progress
+from scenarios.console.interrupts import Interrupted, interrupts
+from scenarios.console.progress import Meter, progress
 from scenarios.dataset.folder import only_process
 from scenarios.dataset.rays import compare_with_rays
 from sim.dataset.croissant import CROISSANT, croissant_record
@@ -26,18 +26,28 @@ from sim.dataset.reader import Dataset, open_dataset
 from sim.dataset.splits import SPLITS, splits_record
 from sim.dataset.statistics import statistics_of
 from sim.files import disk_faults, part_folder, written_whole_file
+from sim.processes import WorkerPool
 
-BeginPart = Callable[[str, int | None], object]  # a part of the work and its frames, if known
 RAY_FRAMES = 4  # of a data set, compared with rays for its card
 
 
-def write_exports(dataset: Dataset, exports: Sequence[str], begin: BeginPart) -> list[Path]:
-    """Write the data set in other formats; returns the files. Raises BenchError."""
-    frames = sum(replace(sequence).frame_count for sequence in dataset.sequences)
+def write_exports(dataset: Dataset, exports: Sequence[str], jobs: int, meter: Meter) -> list[Path]:
+    """Write the data set in other formats; returns the files. jobs: worker processes.
+
+    Raises BenchError.
+    """
+    frames = {s.name: replace(s).frame_count for s in dataset.sequences}
     files = []
-    for name in exports:
-        begin(f"export {name}", frames)
-        files += EXPORTS[name](dataset, dataset.folder)
+    with WorkerPool(jobs) as pool:
+        meter.running = pool.running_steps
+        for name in exports:
+            meter.begin(f"export {name}", sum(frames.values()))
+            files += EXPORTS[name](
+                dataset,
+                dataset.folder,
+                on_sequence=lambda sequence: meter.finish(frames[sequence]),
+                pool=pool if jobs > 1 else None,
+            )
     return files
 
 
@@ -87,42 +97,55 @@ def finish_dataset(
     made_with: Mapping[str, Any],
     exports: Sequence[str],
     command: Sequence[str],
-    begin: BeginPart,
+    jobs: int,
+    meter: Meter,
 ) -> None:
     """Write everything that is made from the finished sequences.
 
-    begin: called as each part of the work begins. A few frames are compared with rays, and the card
-    shows the result. The manifest becomes complete, and is summed, last.
+    jobs: worker processes of the exports. A few frames are compared with rays, and the card shows
+    the result. The manifest becomes complete, and is summed, last.
     """
     write_manifest(out, manifest_record(entries, settings, made_with, False, command))
     dataset = open_dataset(out)
-    write_exports(dataset, exports, begin)
-    begin("comparing with rays", RAY_FRAMES)
+    write_exports(dataset, exports, jobs, meter)
+    meter.begin("comparing with rays", RAY_FRAMES)
     figures = compare_with_rays(out, RAY_FRAMES).figures
-    begin("statistics and checksums", None)
+    meter.begin("statistics and checksums", None)
     write_top(dataset, command, figures)
     write_manifest(out, manifest_record(entries, settings, made_with, True, command))
     write_checksums(out, [entry.folder for entry in entries])
 
 
-def export_dataset(folder: Path, exports: Sequence[str]) -> list[Path]:
+def export_dataset(folder: Path, exports: Sequence[str], jobs: int) -> list[Path]:
     """Write the formats, card, Croissant record and checksums of a finished data set anew.
 
-    Returns the files of the formats. Raises BenchError, also where the data set is not finished.
+    jobs: worker processes of the formats. Returns the files of the formats. Raises BenchError, also
+    where the data set is not finished; Interrupted after a signal.
     """
     dataset = open_dataset(folder)
     if not dataset.manifest.get("complete"):
         raise BenchError(f"{folder}: is not finished; give the command that made it once more")
-    with only_process(folder), interrupts() as arrived, arrived.raising(), progress() as meter:
-        written = write_exports(dataset, exports, meter.begin)
-        # The card and Croissant list the formats.
-        command = dataset.manifest.get("command")
-        argv = [str(word) for word in command] if isinstance(command, list) else []
-        meter.begin("comparing with rays", RAY_FRAMES)
-        figures = compare_with_rays(folder, RAY_FRAMES).figures
-        meter.begin("statistics and checksums", None)
-        write_top(dataset, argv, figures)
-        write_checksums(folder, [sequence.name for sequence in dataset.sequences])
+    with only_process(folder), interrupts() as arrived:
+        try:
+            with arrived.raising(), progress() as meter:
+                return _write_formats(dataset, exports, jobs, meter)
+        except KeyboardInterrupt:
+            raise Interrupted(
+                f"interrupted: not all formats of {folder} are written, nor their checksums; the "
+                "same command writes them anew"
+            ) from None
+
+
+def _write_formats(dataset: Dataset, exports: Sequence[str], jobs: int, meter: Meter) -> list[Path]:
+    """Write formats, and what lists them: card, Croissant record, checksums."""
+    written = write_exports(dataset, exports, jobs, meter)
+    command = dataset.manifest.get("command")
+    argv = [str(word) for word in command] if isinstance(command, list) else []
+    meter.begin("comparing with rays", RAY_FRAMES)
+    figures = compare_with_rays(dataset.folder, RAY_FRAMES).figures
+    meter.begin("statistics and checksums", None)
+    write_top(dataset, argv, figures)
+    write_checksums(dataset.folder, [sequence.name for sequence in dataset.sequences])
     return written
 
 

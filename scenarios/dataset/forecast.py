@@ -30,7 +30,7 @@ FRAME_BYTES = 8_000  # rows of the tables, checksums
 SEQUENCE_BYTES = 40_000  # recipe, rig, calibration
 DATASET_BYTES = 160_000  # card with its pictures, Croissant record
 EXPORT_FRAME_BYTES = {"coco": 8_000, "mot": 1_500, "webdataset": 19_000, "parquet": 2_000}
-EXPORT_FRAME_BYTES |= {"yolo-pose": 2_000, "yolo-seg": 4_000, "middlebury": 500}
+EXPORT_FRAME_BYTES |= {"yolo-pose": 2_000, "yolo-seg": 4_000, "middlebury": 500, "hdf5": 8_000}
 PFM_BYTES = 2 * 4.05  # a pixel, of two files; the masks shrink
 EXPORT_S_PER_MB = 0.02  # of copying
 
@@ -115,12 +115,14 @@ def _sequence_bytes(trial: Trial, recipe: Recipe) -> float:
 def _export_bytes(trial: Trial, recipe: Recipe, exports: Sequence[str]) -> float:
     """Bytes of a frame in all exports.
 
-    WebDataset repeats pictures and labels, Parquet and Middlebury pictures; YOLO links them.
+    WebDataset and HDF5 repeat pictures and labels, Parquet and Middlebury pictures; YOLO links
+    them.
     """
     width, height = recipe.settings.size_px or OWN_SIZE
     repeated = {
         "webdataset": trial.pictures + trial.labels,
         "parquet": trial.pictures,
+        "hdf5": trial.pictures + trial.labels,
         "middlebury": trial.pictures + PFM_BYTES * width * height,
     }
     return sum(EXPORT_FRAME_BYTES[name] + repeated.get(name, 0.0) for name in exports)

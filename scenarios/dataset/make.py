@@ -30,6 +30,7 @@ from scenarios.dataset.sequence_plan import (
 )
 from scenarios.dataset.sequence_task import SequenceTask, library_versions, make_sequences
 from scenarios.execute.executor import ClusterFault, Executor
+from scenarios.execute.local import worker_count
 from scenarios.execute.place import Place, executor_at, place_of
 from scenarios.execute.software import PlugIns
 from scenarios.play.footage import plugged_motions
@@ -93,8 +94,9 @@ def make_dataset(request: MakeRequest, workers: Executor | None = None) -> None:
             remove_leftovers(out)  # of workers that were killed
             wall_s = time.perf_counter() - started
             with progress() as meter:
+                jobs = place.workers or worker_count(None)  # exports are written here
                 finish_dataset(
-                    out, entries, settings, made_with, request.exports, command, meter.begin
+                    out, entries, settings, made_with, request.exports, command, jobs, meter
                 )
         except KeyboardInterrupt:
             remove_leftovers(out)

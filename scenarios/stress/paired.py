@@ -6,8 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from scipy.stats import binomtest
-
 from reports.gate.statistics import wilson
 
 
@@ -31,6 +29,8 @@ def paired_failures(a: Sequence[bool], b: Sequence[bool]) -> PairedFailures:
     Interval: Newcombe's of paired shares (1998, method 10), of two Wilson intervals and their
     correlation; p-value: exact McNemar, two-sided, of the draws in which the two differ.
     """
+    from scipy.stats import binomtest  # takes half a second to load: every command would wait
+
     pairs = list(zip(a, b, strict=True))
     both, only_a, only_b = (pairs.count(k) for k in ((True, True), (True, False), (False, True)))
     n = len(pairs)

@@ -8,14 +8,15 @@ the depth, the exports with the sequences.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 
-from pjpdaf.errors import InfrastructureError
 from sim.dataset.check.contents import DatasetContents, read_contents
 from sim.dataset.check.exports.coco import FOLDER as COCO
 from sim.dataset.check.exports.coco import check_coco
+from sim.dataset.check.exports.hdf5 import FOLDER as HDF5
+from sim.dataset.check.exports.hdf5 import check_hdf5
 from sim.dataset.check.exports.mot import FOLDER as MOT
 from sim.dataset.check.exports.mot import check_mot
 from sim.dataset.check.exports.numbers import SequenceNumbers
@@ -30,11 +31,10 @@ from sim.dataset.check.files import (
 from sim.dataset.check.sequence import SequenceVerdict, check_sequence
 from sim.dataset.check.splits import check_splits
 from sim.dataset.files.reading import read_json
+from sim.dataset.sequence_tasks import sequence_results
 from sim.dataset.splits import SPLITS
 from sim.dataset.stored_sequence import StoredSequence
-from sim.processes import Answer, Lost, WorkerPool
-
-SEQUENCE_LIMIT_S = 24 * 3600.0  # for the check of a sequence in a worker
+from sim.processes import WorkerPool
 
 
 def verify(
@@ -94,39 +94,8 @@ def _verdicts(
                 hash_files,
             )
         )
-    if pool is None or len(work) <= 1:
-        for name, task in zip(contents.names, work, strict=True):
-            yield name, check_sequence(*task)
-        return
-    outcomes = pool.outcomes(_check, dict(enumerate(work)), SEQUENCE_LIMIT_S)
-    yield from _in_order(contents.names, outcomes)
-
-
-def _in_order(
-    names: Sequence[str], outcomes: Iterable[tuple[int, Answer[SequenceVerdict] | Lost] | None]
-) -> Iterator[tuple[str, SequenceVerdict]]:
-    """The verdicts in the order of the names, each as early as it can be given."""
-    ended: dict[int, SequenceVerdict] = {}
-    given = 0
-    for indexed in outcomes:
-        if indexed is None:
-            continue
-        index, outcome = indexed
-        if isinstance(outcome, Lost):
-            raise InfrastructureError(_lost_line(names[index], outcome))
-        ended[index] = outcome.value
-        while given in ended:
-            yield names[given], ended.pop(given)
-            given += 1
-
-
-def _lost_line(name: str, lost: Lost) -> str:
-    if lost.late:
-        return f"{name}: not checked within {SEQUENCE_LIMIT_S / 3600:.0f} hours."
-    return (
-        f"{name}: its worker process died {lost.attempts} times (exit code {lost.exit_code}), "
-        "likely for lack of memory: take fewer of them (--jobs)."
-    )
+    verdicts = sequence_results(_check, work, contents.names, pool, "checked")
+    yield from zip(contents.names, verdicts, strict=True)
 
 
 def _check(
@@ -142,6 +111,7 @@ def check_exports(
     folders = {path.partition("/")[0] for path in tree.plain if "/" in path}
     if COCO in folders:
         check_coco(tree, sequences, log)
-    if MOT in folders:
+    checks = {MOT: check_mot, HDF5: check_hdf5}
+    for folder in folders & set(checks):
         for numbers in filter(None, sequences.values()):
-            log.add("mot", check_mot(tree, numbers))
+            log.add(folder, checks[folder](tree, numbers))

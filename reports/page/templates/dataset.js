@@ -17,6 +17,8 @@ const LEGENDS = {
     ["outside the other view", "#50aaeb"], ["no surface. Rectified pair: boxes and keypoints are not drawn", "#202226"],
   ],
 };
+// Of the keypoints of a hand: wrist to palm, palm to each tip. The body is of no target's colour.
+const PALM = [[0, 1], ...[2, 3, 4, 5, 6].map((tip) => [1, tip])], BODY = "#f2f2f2";
 const RAMP = "linear-gradient(90deg, #7a0403, #e8510b, #fabb39, #a4fc3c, #1ae4b6, #4686fb, #30123b)";
 const picker = part("sequence");
 const radios = [...section.querySelectorAll("input[name=layer]")];
@@ -66,17 +68,17 @@ function drawView(v, image, show) {
       const spot = [Math.min(Math.max(box[0] * s + 3, 2), w - 12), Math.max(box[1] * s - 4, 12)];
       drawLetter(ctx, t, Math.round(13 * big), 'system-ui, "DejaVu Sans", sans-serif', ...spot);
     }
-    if (show.points) drawPoints(ctx, sequence.keypoints[i][v][t], BRIGHT[t], at, big, t > 0);
+    if (show.points) drawPoints(ctx, sequence.keypoints[i][v][t], t > 0 ? PALM : [], BRIGHT[t], at, big);
   }
+  if (show.joints) sequence.skeletons[i][v].forEach((points, k) => drawPoints(ctx, points, sequence.bones[k], k ? BRIGHT[k] : BODY, at, 0.7 * big));
 }
 
-function drawPoints(ctx, points, colour, at, big, hand) {
+function drawPoints(ctx, points, bones, colour, at, big) {
   const known = (p) => p && p[0] !== null && p[1] !== null && p[2] >= OCCLUDED;
-  // A hand: wrist to palm, palm to each tip.
-  for (let n = 1; hand && n < points.length; n++) {
-    const from = points[n === 1 ? 0 : 1];
-    if (!known(from) || !known(points[n])) continue;
-    ctx.beginPath(); ctx.moveTo(...at(from[0] / 10, from[1] / 10)); ctx.lineTo(...at(points[n][0] / 10, points[n][1] / 10));
+  for (const [a, b] of bones) {
+    const from = points[a], to = points[b];
+    if (!known(from) || !known(to)) continue;
+    ctx.beginPath(); ctx.moveTo(...at(from[0] / 10, from[1] / 10)); ctx.lineTo(...at(to[0] / 10, to[1] / 10));
     ctx.globalAlpha = 0.55; ctx.lineWidth = 1.1 * big; ctx.strokeStyle = colour; ctx.stroke(); ctx.globalAlpha = 1;
   }
   for (const p of points) {
@@ -96,22 +98,22 @@ function grouped(lists) {
 
 function paint(image) {
   const { source: sequence, i } = now, on = (name) => part("show-" + name).checked;
-  const show = { boxes: on("boxes"), wholes: on("wholes"), points: on("points") };
+  const show = { boxes: on("boxes"), wholes: on("wholes"), points: on("points"), joints: on("joints") };
   for (const v of [0, 1]) drawView(v, image, show);
   const text = `frame ${i}, ${(sequence.ms[i] / 1000).toFixed(2)} s`;
   part("frame").textContent = text;
   slider.setAttribute("aria-valuetext", text);
   const last = Math.max(1, sequence.ms.length - 1);
   part("lanes").style.setProperty("--at", `${100 * i / last}%`);
-  const share = (v) => v === null ? "out of view" : `${(v / 10).toFixed(1)} %`;
+  const share = (v) => v === null ? "out of view" : `${(v / 10).toFixed(1)}\u00a0%`;
   for (let t = 0; t < 3; t++) {
-    const by = grouped([0, 1].map((v) => sequence.occluders[i][v][t].map(([name, s]) => [name, `${(s / 10).toFixed(1)} %`])));
+    const by = grouped([0, 1].map((v) => sequence.occluders[i][v][t].map(([name, s]) => [name, `${(s / 10).toFixed(1)}\u00a0%`])));
     const merged = grouped([0, 1].map((v) => sequence.merged_with[i][v][t].map((name) => [name, ""])));
     const speed = sequence.speeds[i][t];
     const values = [
       sequence.positions[i][t].map((p) => p === null ? "–" : (p / 1e4).toFixed(3)).join(" / "), speed === null ? "–" : (speed / 1000).toFixed(2),
       share(sequence.visible[i][0][t]), share(sequence.visible[i][1][t]),
-      [0, 1].map((v) => sequence.truncation[i][v][t] === null ? "–" : `${(sequence.truncation[i][v][t] / 10).toFixed(0)} %`).join(" / "), by, merged,
+      [0, 1].map((v) => sequence.truncation[i][v][t] === null ? "–" : `${(sequence.truncation[i][v][t] / 10).toFixed(0)}\u00a0%`).join(" / "), by, merged,
     ];
     values.forEach((value, n) => { part("values").rows[t].cells[n + 1].textContent = value; });
   }

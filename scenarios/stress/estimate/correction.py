@@ -13,7 +13,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from pjpdaf.arrays import Floats
 from scenarios.stress.estimate.probability import LEVEL, Probability
@@ -100,5 +100,5 @@ def _fast_samples(fast: Probability, rng: np.random.Generator) -> Floats:
     if fast.method == "plain" or fast.failures == 0:
         n = fast.runs
         return rng.beta(fast.failures + 0.5, n - fast.failures + 0.5, _SAMPLES)
-    sd = math.log(fast.p / fast.low) / float(norm.ppf(0.5 + LEVEL / 2))
+    sd = math.log(fast.p / fast.low) / float(ndtri(0.5 + LEVEL / 2))
     return np.asarray(np.minimum(fast.p * np.exp(sd * rng.standard_normal(_SAMPLES)), 1.0))

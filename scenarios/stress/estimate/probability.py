@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.stats import binomtest, norm
+from scipy.special import ndtri
 
 from pjpdaf.arrays import Floats
 from scenarios.stress.estimate.outcomes import Bools
@@ -45,6 +45,8 @@ def clopper_pearson(hits: int, n: int, level: float = LEVEL) -> tuple[float, flo
 
     Where nothing or everything hits, the other end is one-sided: about 3 / n of 1 or 0.
     """
+    from scipy.stats import binomtest  # takes half a second to load: every command would wait
+
     if n == 0:
         return 0.0, 1.0
     if hits in (0, n):
@@ -94,7 +96,7 @@ def weighted(
     residual = drawn / whole - (0.0 if counts.all() else p * weights * counts / whole)
     strata = [residual[:nominal], residual[nominal:]]
     variance = sum(len(part) * float(part.var(ddof=1)) for part in strata if len(part) > 1) / n**2
-    factor = math.exp(float(norm.ppf(0.5 + LEVEL / 2)) * math.sqrt(variance) / p)
+    factor = math.exp(float(ndtri(0.5 + LEVEL / 2)) * math.sqrt(variance) / p)
     ess = total**2 / float(np.sum(drawn**2))
     largest = float(drawn.max()) / total
     good = ess >= LEAST_ESS and largest <= MOST_WEIGHT

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 import numpy as np
 from scipy.linalg import hadamard
-from scipy.stats import qmc
 
 from pjpdaf.arrays import Floats
 from sim.randomness import generator
@@ -28,6 +27,8 @@ def corners(d: int, count: int = CORNERS) -> Floats:
 
 def sobol(d: int, seed: int, stream: str) -> Iterator[Floats]:
     """Points (d,) of scrambled Sobol sequences without end."""
+    from scipy.stats import qmc  # takes half a second to load: every command would wait
+
     block = 0
     while True:
         rng = int(generator(seed, f"{stream}/sobol", block).integers(2**31))

@@ -7,7 +7,7 @@ annotation, because COCO's readers expect every annotation to be detected; the i
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from pjpdaf.errors import FileError
 from pjpdaf.targets import TARGETS
-from sim.dataset.export.coco_file import CocoFile, RunLengths
+from sim.dataset.export.coco_file import CocoFile, CocoRecords, RunLengths
 from sim.dataset.export.coco_ids import (
     FIRST_OBJECT_CATEGORY,
     INSTANCES,
@@ -27,7 +27,7 @@ from sim.dataset.export.coco_ids import (
     image_id,
     pair_id,
 )
-from sim.dataset.export.export import AddSequence, Export
+from sim.dataset.export.export import AddPart, Export
 from sim.dataset.files.layout import RIG, SCHEMA_VERSION, picture_name
 from sim.dataset.frame_rows import FrameRow, FrameRows, object_kinds, read_frame_rows
 from sim.dataset.labels.instances import NOTHING, PERSON
@@ -46,33 +46,35 @@ _OF_PERSON = set(range(NOTHING + 1, PERSON + 1))  # ids of the person, head and 
 _PX, _M, _SHARE = 3, 6, 6  # decimals: 0.001 px, 1 um; truth.parquet has all of them
 
 
-@contextmanager
-def write_coco(dataset: Dataset, folder: Path) -> Iterator[AddSequence]:
-    """Write `instances_left.json` and `instances_right.json`.
-
-    Needs the label `seg`; has amodal masks where the data set has the label `amodal`.
-    """
+def write_coco(sequence: StoredSequence, labels: Collection[str], part: Path) -> None:
+    """Write the records of both views; with amodal masks where there is the label `amodal`."""
     run_lengths = RunLengths()
-    if "seg" not in dataset.labels:
-        raise FileError(dataset.folder, "has no label seg, of which COCO's masks are made")
+    frames = read_frame_rows(sequence)
+    for view, camera in enumerate(CAMERAS):
+        with ExitStack() as stack:
+            records = _ViewRecords(sequence, view, "amodal" in labels, run_lengths)
+            records.write(frames, CocoRecords(part, camera, stack))
 
-    def add(sequence: StoredSequence) -> None:
-        frames = read_frame_rows(sequence)
-        for view, file in enumerate(files):
-            records = _ViewRecords(sequence, view, "amodal" in dataset.labels, run_lengths)
-            records.write(frames, file)
+
+@contextmanager
+def _joining(dataset: Dataset, folder: Path) -> Iterator[AddPart]:
+    """Write `instances_left.json` and `instances_right.json`."""
+
+    def add(sequence: StoredSequence, part: Path) -> None:
+        for camera, file in files.items():
+            file.add(part, camera)
 
     with ExitStack() as stack:
-        files = [
-            CocoFile(folder / f"instances_{camera}.json", _head(camera), stack)
+        files = {
+            camera: CocoFile(folder / f"instances_{camera}.json", _head(camera), stack)
             for camera in CAMERAS
-        ]
+        }
         yield add
-        for file in files:
+        for file in files.values():
             file.finish()
 
 
-export = Export("annotations", "COCO's files", write_coco)
+export = Export("coco", "annotations", "COCO's files", write_coco, _joining)
 
 
 def _head(camera: str) -> dict[str, Any]:
@@ -103,7 +105,7 @@ class _ViewRecords:
         }
         self._kinds = object_kinds(sequence)
 
-    def write(self, frames: list[FrameRows], file: CocoFile) -> None:
+    def write(self, frames: list[FrameRows], file: CocoRecords) -> None:
         """Write the images of the pictures that arrived, and their annotations."""
         for frame in frames:
             if frame.arrived[self._camera]:
@@ -111,7 +113,7 @@ class _ViewRecords:
             if self._view == 1:  # the last; the frame is done
                 step()
 
-    def _frame(self, file: CocoFile, frame: FrameRows) -> None:
+    def _frame(self, file: CocoRecords, frame: FrameRows) -> None:
         seg = self._sequence.seg(self._view, frame.index)
         ids = set(np.flatnonzero(np.bincount(seg.ravel())).tolist())
         visible: list[tuple[int, dict[str, Any]]] = []

@@ -1,4 +1,4 @@
-"""One COCO file, written as it grows, and its run-length masks."""
+"""A COCO file, put together from the records of sequences, and its run-length masks."""
 
 from __future__ import annotations
 
@@ -15,6 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pjpdaf.errors import BenchError
+
+KINDS = IMAGES, ANNOTATIONS = "images", "annotations"
+SEPARATOR = ",\n"  # between records
 
 
 class RunLengths:
@@ -44,26 +47,51 @@ class RunLengths:
         ]
 
 
+class CocoRecords:
+    """Writes the records of a sequence's view into two files of a folder; `stack` closes them."""
+
+    def __init__(self, folder: Path, camera: str, stack: ExitStack) -> None:
+        self._files = {
+            kind: stack.enter_context(_records(folder, kind, camera).open("w", encoding="ascii"))
+            for kind in KINDS
+        }
+        self._separators = dict.fromkeys(KINDS, "")
+
+    def add_image(self, record: Mapping[str, Any]) -> None:
+        """Add an image."""
+        self._add(IMAGES, record)
+
+    def add_annotation(self, record: Mapping[str, Any]) -> None:
+        """Add an annotation."""
+        self._add(ANNOTATIONS, record)
+
+    def _add(self, kind: str, record: Mapping[str, Any]) -> None:
+        self._files[kind].write(self._separators[kind] + _text(record))
+        self._separators[kind] = SEPARATOR
+
+
 class CocoFile:
     """Writes a file of images and annotations; the annotations wait in a file beside it.
 
-    head: the other fields of the file. Call `finish` after the last record; `stack` closes it.
+    head: the other fields of the file. Call `finish` after the last records; `stack` closes it.
     """
 
     def __init__(self, path: Path, head: Mapping[str, Any], stack: ExitStack) -> None:
         self._images: IO[str] = stack.enter_context(path.open("w", encoding="ascii"))
         waiting = tempfile.TemporaryFile("w+", encoding="ascii", dir=path.parent)  # noqa: SIM115
         self._annotations: IO[str] = stack.enter_context(waiting)
-        self._is_empty = {self._images: True, self._annotations: True}
+        self._separators = dict.fromkeys(KINDS, "\n")
         self._images.write(_text(head)[:-1] + ',\n"images":[')
 
-    def add_image(self, record: Mapping[str, Any]) -> None:
-        """Add an image."""
-        self._add(self._images, record)
-
-    def add_annotation(self, record: Mapping[str, Any]) -> None:
-        """Add an annotation."""
-        self._add(self._annotations, record)
+    def add(self, folder: Path, camera: str) -> None:
+        """Append the records of a view in the folder of a `CocoRecords`."""
+        for kind, stream in zip(KINDS, (self._images, self._annotations), strict=True):
+            path = _records(folder, kind, camera)
+            if path.stat().st_size:
+                stream.write(self._separators[kind])
+                self._separators[kind] = SEPARATOR
+                with path.open(encoding="ascii") as records:
+                    shutil.copyfileobj(records, stream)
 
     def finish(self) -> None:
         """Append the annotations to the images."""
@@ -72,9 +100,9 @@ class CocoFile:
         shutil.copyfileobj(self._annotations, self._images)
         self._images.write("\n]}\n")
 
-    def _add(self, stream: IO[str], record: Mapping[str, Any]) -> None:
-        stream.write(("\n" if self._is_empty[stream] else ",\n") + _text(record))
-        self._is_empty[stream] = False
+
+def _records(folder: Path, kind: str, camera: str) -> Path:
+    return folder / f"{kind}_{camera}.txt"
 
 
 def _text(record: Mapping[str, Any]) -> str:

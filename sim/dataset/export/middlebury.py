@@ -7,8 +7,7 @@ mask1nocc.png: 255 seen in both pictures, 128 in one, 0 no disparity; calib.txt.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Collection
 from pathlib import Path
 
 import cv2
@@ -18,13 +17,11 @@ from numpy.typing import NDArray
 from pjpdaf.arrays import Image
 from pjpdaf.calibration import rectify
 from pjpdaf.camera import StereoRig
-from pjpdaf.errors import FileError
-from sim.dataset.export.export import AddSequence, Export
+from sim.dataset.export.export import Export
 from sim.dataset.files import encode
 from sim.dataset.files.layout import picture_name
 from sim.dataset.frame_rows import read_frame_rows
 from sim.dataset.labels.records import SEEN, Matches
-from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
 from sim.scene.world import CAMERAS
 from sim.steps import step
@@ -32,31 +29,24 @@ from sim.steps import step
 BOTH, ONE, NONE = 255, 128, 0  # of the masks
 
 
-@contextmanager
-def write_middlebury(dataset: Dataset, folder: Path) -> Iterator[AddSequence]:
-    """Write a folder a frame whose both pictures arrived. Needs the label `disparity`."""
-    if "disparity" not in dataset.labels:
-        raise FileError(dataset.folder, "has no label disparity")
-
-    def add(sequence: StoredSequence) -> None:
-        maps = _maps(sequence.rig)
-        for frame in read_frame_rows(sequence):
-            if all(frame.arrived.values()):
-                index = frame.index
-                into = folder / f"{sequence.name}_{picture_name(index, '')}"
-                into.mkdir()
-                matches = [sequence.rectified(view, index) for view in (0, 1)]
-                for view, (camera, own) in enumerate(zip(CAMERAS, matches, strict=True)):
-                    picture = sequence.picture(camera, index, np.uint8, 3)
-                    _write_view(into, view, cv2.remap(picture, *maps[view], cv2.INTER_LINEAR), own)
-                most = max(_most_px(own) for own in matches)
-                (into / "calib.txt").write_text(calib_text(sequence.rig, most), "ascii")
-            step()
-
-    yield add
+def write_middlebury(sequence: StoredSequence, labels: Collection[str], part: Path) -> None:
+    """Write a folder a frame whose both pictures arrived."""
+    maps = _maps(sequence.rig)
+    for frame in read_frame_rows(sequence):
+        if all(frame.arrived.values()):
+            index = frame.index
+            into = part / f"{sequence.name}_{picture_name(index, '')}"
+            into.mkdir()
+            matches = [sequence.rectified(view, index) for view in (0, 1)]
+            for view, (camera, own) in enumerate(zip(CAMERAS, matches, strict=True)):
+                picture = sequence.picture(camera, index, np.uint8, 3)
+                _write_view(into, view, cv2.remap(picture, *maps[view], cv2.INTER_LINEAR), own)
+            most = max(_most_px(own) for own in matches)
+            (into / "calib.txt").write_text(calib_text(sequence.rig, most), "ascii")
+        step()
 
 
-export = Export("middlebury", "Middlebury's files", write_middlebury)
+export = Export("middlebury", "middlebury", "Middlebury's files", write_middlebury)
 
 
 def _most_px(matches: Matches) -> float:

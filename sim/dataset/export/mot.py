@@ -5,11 +5,11 @@ Frames, ids and boxes count from 1; ids are 1 head, 2 right hand, 3 left hand; t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from sim.dataset.export.export import AddSequence, Export
+from sim.dataset.export.export import AddPart, Export, move_content
 from sim.dataset.frame_rows import FrameRows, box_of, read_frame_rows
 from sim.dataset.reader import Dataset
 from sim.dataset.stored_sequence import StoredSequence
@@ -19,25 +19,25 @@ from sim.steps import counted
 CLASS = 1  # "pedestrian": the only class that MOTChallenge's readers score
 
 
+def write_mot(sequence: StoredSequence, labels: Collection[str], part: Path) -> None:
+    """Write `<sequence>-<camera>/` of both views."""
+    frames = [*counted(read_frame_rows(sequence))]
+    for view, camera in enumerate(CAMERAS):
+        folder = part / f"{sequence.name}-{camera}"
+        _write(folder / "seqinfo.ini", _seqinfo(sequence, view))
+        _write(folder / "gt" / "gt.txt", _boxes(frames, camera))
+        _write(folder / "gt" / "gt_3d.txt", _positions(frames, camera))
+
+
 @contextmanager
-def write_mot(dataset: Dataset, folder: Path) -> Iterator[AddSequence]:
-    """Write `<sequence>-<camera>/` and `seqmaps/all.txt`."""
-    names = []
-
-    def add(sequence: StoredSequence) -> None:
-        frames = [*counted(read_frame_rows(sequence))]
-        for view, camera in enumerate(CAMERAS):
-            name = f"{sequence.name}-{camera}"
-            names.append(name)
-            _write(folder / name / "seqinfo.ini", _seqinfo(sequence, view))
-            _write(folder / name / "gt" / "gt.txt", _boxes(frames, camera))
-            _write(folder / name / "gt" / "gt_3d.txt", _positions(frames, camera))
-
-    yield add
+def _joining(dataset: Dataset, folder: Path) -> Iterator[AddPart]:
+    """Move the folders, and name them in `seqmaps/all.txt`."""
+    yield lambda sequence, part: move_content(part, folder)
+    names = [f"{sequence.name}-{camera}" for sequence in dataset.sequences for camera in CAMERAS]
     _write(folder / "seqmaps" / "all.txt", "".join(f"{name}\n" for name in ["name", *names]))
 
 
-export = Export("mot", "MOTChallenge's files", write_mot)
+export = Export("mot", "mot", "MOTChallenge's files", write_mot, _joining)
 
 
 def _boxes(frames: list[FrameRows], camera: str) -> str:

@@ -6,16 +6,15 @@ not arrive is not in its sample.
 
 from __future__ import annotations
 
-import io
 import json
 import tarfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
 from pjpdaf.camera import Camera
-from sim.dataset.export.export import AddSequence, Export, file_bytes
+from sim.dataset.export.export import AddPart, Export, file_bytes
 from sim.dataset.files.cameras import camera_record
 from sim.dataset.files.layout import LABELS, frames_with, picture_name
 from sim.dataset.frame_rows import FrameRow, FrameRows, read_frame_rows
@@ -26,6 +25,7 @@ from sim.steps import counted
 
 SHARD_SAMPLES = 1000
 SHARD_BYTES = 512 << 20
+SAMPLES, SIZES = "samples", "sizes.json"  # of a part
 _SHARED = ("frame_index", "time_s", "stamp_s", "events", *(f"arrived_{c}" for c in CAMERAS))
 
 
@@ -36,21 +36,45 @@ def exporter(shard_samples: int = SHARD_SAMPLES, shard_bytes: int = SHARD_BYTES)
     """
 
     @contextmanager
-    def write_shards(dataset: Dataset, folder: Path) -> Iterator[AddSequence]:
-        def add(sequence: StoredSequence) -> None:
-            common = _common(sequence)
-            for frame in counted(read_frame_rows(sequence)):
-                key = f"{sequence.name}_{picture_name(frame.index, '')}"
-                shards.add(key, _sample(dataset, sequence, frame, common))
+    def joining(dataset: Dataset, folder: Path) -> Iterator[AddPart]:
+        def add(sequence: StoredSequence, part: Path) -> None:
+            sizes = json.loads((part / SIZES).read_text("ascii"))
+            with (part / SAMPLES).open("rb") as samples:
+                for size in sizes:
+                    shards.add(samples.read(size))
 
         with closing(_Shards(folder, shard_samples, shard_bytes)) as shards:
             yield add
 
-    return Export("webdataset", "WebDataset's shards", write_shards)
+    return Export("webdataset", "webdataset", "WebDataset's shards", write_samples, joining)
+
+
+def write_samples(sequence: StoredSequence, labels: Collection[str], part: Path) -> None:
+    """Write the samples of a sequence, as they are in a tar file, and their sizes [bytes]."""
+    common = _common(sequence)
+    sizes = []
+    with (part / SAMPLES).open("wb") as file:
+        for frame in counted(read_frame_rows(sequence)):
+            key = f"{sequence.name}_{picture_name(frame.index, '')}"
+            sample = _tar_members(key, _sample(labels, sequence, frame, common))
+            file.write(sample)
+            sizes.append(len(sample))
+    (part / SIZES).write_text(json.dumps(sizes), "ascii")
+
+
+def _tar_members(key: str, members: Mapping[str, bytes]) -> bytes:
+    """Members of a tar file by suffix of their key, without times and owners."""
+    blocks = []
+    for name in sorted(members):
+        info = tarfile.TarInfo(f"{key}.{name}")  # time 0, owner 0, no names
+        info.size = len(members[name])
+        padding = -info.size % tarfile.BLOCKSIZE
+        blocks += [info.tobuf(tarfile.USTAR_FORMAT), members[name], bytes(padding)]
+    return b"".join(blocks)
 
 
 def _sample(
-    dataset: Dataset, sequence: StoredSequence, frame: FrameRows, common: Mapping[str, Any]
+    labels: Collection[str], sequence: StoredSequence, frame: FrameRows, common: Mapping[str, Any]
 ) -> dict[str, bytes]:
     """The members of a sample by the suffix of its key."""
     members = {}
@@ -60,7 +84,7 @@ def _sample(
             members[f"{camera}.png"] = file_bytes(path)
     for label, folders in LABELS.items():
         suffix = ".npz" if label == "float" else ".png"
-        for name in folders if label in dataset.labels else ():
+        for name in folders if label in labels else ():
             if frame.index not in frames_with(name, sequence.frame_count):
                 continue
             path = sequence.folder / name / picture_name(frame.index, suffix)
@@ -107,27 +131,24 @@ def _unshared(row: FrameRow) -> dict[str, Any]:
 
 
 class _Shards:
-    """Writes tar files without times and owners: the same samples, the same bytes."""
+    """Writes tar files of whole samples: the same samples, the same bytes."""
 
     def __init__(self, folder: Path, most_samples: int, most_bytes: int) -> None:
         self._folder, self._most = folder, (most_samples, most_bytes)
         self._tar: tarfile.TarFile | None = None
         self._count = self._samples = self._bytes = 0
 
-    def add(self, key: str, members: Mapping[str, bytes]) -> None:
-        """Add a sample; members: by suffix of its key."""
-        blocks = tarfile.BLOCKSIZE
-        size = sum(blocks + -(-len(data) // blocks) * blocks for data in members.values())
-        full = self._samples >= self._most[0] or self._bytes + size > self._most[1]
+    def add(self, sample: bytes) -> None:
+        """Add the members of a sample, as they are in a tar file."""
+        full = self._samples >= self._most[0] or self._bytes + len(sample) > self._most[1]
         if self._tar is None or full:
             self._next()
         assert self._tar is not None
-        for name in sorted(members):
-            info = tarfile.TarInfo(f"{key}.{name}")  # time 0, owner 0, no names
-            info.size = len(members[name])
-            self._tar.addfile(info, io.BytesIO(members[name]))
+        assert self._tar.fileobj is not None
+        self._tar.fileobj.write(sample)
+        self._tar.offset += len(sample)
         self._samples += 1
-        self._bytes += size
+        self._bytes += len(sample)
 
     def _next(self) -> None:
         self.close()

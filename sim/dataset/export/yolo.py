@@ -9,17 +9,17 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from pjpdaf.errors import FileError
 from pjpdaf.targets import TARGETS
-from sim.dataset.export.export import AddSequence, Export, file_bytes
+from sim.dataset.export.export import AddPart, Export, file_bytes, move_content
 from sim.dataset.files.layout import picture_name
 from sim.dataset.frame_rows import FrameRow, FrameRows, box_of, read_frame_rows
 from sim.dataset.labels.records import HAND_JOINTS, HAND_SKELETONS
@@ -30,45 +30,47 @@ from sim.scene.world import CAMERAS
 from sim.steps import step
 
 DIGITS = 6
+IMAGES, TEXTS = "images", "labels"  # folders, each with one of a split
 Lines = Callable[[StoredSequence, FrameRows, int], list[str]]
 
 
-def _exporter(
-    folder: str, names: Sequence[str], lines: Lines, *, keypoints: str = "", needs_seg: bool = False
-) -> Export:
-    """The export of one task. names: of the classes; lines: of a picture's text.
+def _write(lines: Lines, sequence: StoredSequence, labels: Collection[str], part: Path) -> None:
+    """Write the pictures of a sequence, and their texts. lines: of a picture's text."""
+    for kind in (IMAGES, TEXTS):
+        (part / kind).mkdir()
+    for frame in read_frame_rows(sequence):
+        for view, camera in enumerate(CAMERAS):
+            if frame.arrived[camera]:
+                name = f"{sequence.name}_{camera}_{picture_name(frame.index, '')}"
+                picture = sequence.folder / camera / picture_name(frame.index)
+                _link(picture, part / IMAGES / f"{name}.png")
+                text = "".join(f"{line}\n" for line in lines(sequence, frame, view))
+                (part / TEXTS / f"{name}.txt").write_text(text, "ascii")
+        step()
 
-    keypoints: what data.yaml says of them.
+
+@contextmanager
+def _joining(
+    names: Sequence[str], keypoints: str, dataset: Dataset, folder: Path
+) -> Iterator[AddPart]:
+    """Move each sequence's files to its split, and write data.yaml.
+
+    names: of the classes; keypoints: what data.yaml says of them.
     """
+    splits = splits_record(dataset.sequences)["splits"]
+    split_of = {name: split for split, members in splits.items() for name in members}
+    for split in splits:
+        for kind in (IMAGES, TEXTS):
+            (folder / kind / split).mkdir(parents=True)
 
-    @contextmanager
-    def write(dataset: Dataset, into: Path) -> Iterator[AddSequence]:
-        if needs_seg and "seg" not in dataset.labels:
-            raise FileError(dataset.folder, "has no label seg, of which the polygons are made")
-        splits = splits_record(dataset.sequences)["splits"]
-        split_of = {name: split for split, names in splits.items() for name in names}
-        for split in splits:
-            for kind in ("images", "labels"):
-                (into / kind / split).mkdir(parents=True)
+    def add(sequence: StoredSequence, part: Path) -> None:
+        for kind in (IMAGES, TEXTS):
+            move_content(part / kind, folder / kind / split_of[sequence.name])
 
-        def add(sequence: StoredSequence) -> None:
-            for frame in read_frame_rows(sequence):
-                for view, camera in enumerate(CAMERAS):
-                    if frame.arrived[camera]:
-                        split = split_of[sequence.name]
-                        name = f"{sequence.name}_{camera}_{picture_name(frame.index, '')}"
-                        picture = sequence.folder / camera / picture_name(frame.index)
-                        _link(picture, into / "images" / split / f"{name}.png")
-                        text = "".join(f"{line}\n" for line in lines(sequence, frame, view))
-                        (into / "labels" / split / f"{name}.txt").write_text(text, "ascii")
-                step()
-
-        yield add
-        folders = "".join(f"{split}: images/{split}\n" for split in splits)
-        classes = "".join(f"  {number}: {name}\n" for number, name in enumerate(names))
-        (into / "data.yaml").write_text(f"{folders}{keypoints}names:\n{classes}", "ascii")
-
-    return Export(folder, "YOLO's files", write)
+    yield add
+    folders = "".join(f"{split}: {IMAGES}/{split}\n" for split in splits)
+    classes = "".join(f"  {number}: {name}\n" for number, name in enumerate(names))
+    (folder / "data.yaml").write_text(f"{folders}{keypoints}names:\n{classes}", "ascii")
 
 
 def _pose(sequence: StoredSequence, frame: FrameRows, view: int) -> list[str]:
@@ -135,12 +137,23 @@ def _link(source: Path, target: Path) -> None:
         shutil.copyfile(source, target)
 
 
-pose = _exporter(
+pose = Export(
     "yolo-pose",
-    HAND_SKELETONS,
-    _pose,
-    keypoints=f"kpt_shape: [{len(HAND_JOINTS)}, 3]\n"
-    # A mirrored right hand is a left hand: train with fliplr 0.
-    f"flip_idx: {list(range(len(HAND_JOINTS)))}\n",
+    "yolo-pose",
+    "YOLO's files",
+    partial(_write, _pose),
+    partial(
+        _joining,
+        HAND_SKELETONS,
+        f"kpt_shape: [{len(HAND_JOINTS)}, 3]\n"
+        # A mirrored right hand is a left hand: train with fliplr 0.
+        f"flip_idx: {list(range(len(HAND_JOINTS)))}\n",
+    ),
 )
-segmentation = _exporter("yolo-seg", TARGETS, _segmentation, needs_seg=True)
+segmentation = Export(
+    "yolo-seg",
+    "yolo-seg",
+    "YOLO's files",
+    partial(_write, _segmentation),
+    partial(_joining, TARGETS, ""),
+)

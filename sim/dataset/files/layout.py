@@ -46,7 +46,7 @@ DEFAULT_LABELS = ("depth", "seg", "amodal", "disparity")
 TRAINING_LABELS = ("depth", "seg", "disparity", "semantic")
 EXPORTS = (  # other formats, beside the sequences
     *("coco", "mot", "webdataset", "parquet"),
-    *("yolo-pose", "yolo-seg", "middlebury"),
+    *("yolo-pose", "yolo-seg", "middlebury", "hdf5"),
 )
 # The label without which a format cannot be made.
 EXPORTS_NEED = {"coco": "seg", "yolo-seg": "seg", "middlebury": "disparity"}

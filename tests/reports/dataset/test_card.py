@@ -18,6 +18,7 @@ from reports.dataset.card import card_text, write_card
 from reports.dataset.card_prose import without_paths
 from reports.dataset.card_sample import sample_jpeg
 from reports.dataset.card_tables import TASKS
+from sim.dataset.export.registry import EXPORTS
 from sim.dataset.files.conventions import conventions
 from sim.dataset.files.layout import LABELS
 from sim.dataset.histograms import BINS
@@ -55,6 +56,17 @@ def test_front_matter_is_what_the_hub_reads(text, dataset):
         files = sorted(dataset.folder.glob(config["data_files"]))
         assert len(files) == 3, config
     assert [c.get("default", False) for c in head["configs"]] == [True, False, False]
+
+
+def test_every_format_that_is_there_is_listed(statistics, dataset_copy):
+    assert "Beside them" not in card_text(open_dataset(dataset_copy), statistics)
+    for export in EXPORTS.values():
+        (dataset_copy / export.folder).mkdir()
+    (line,) = re.findall(
+        r"^Beside them: (.*)$", card_text(open_dataset(dataset_copy), statistics), re.M
+    )
+    listed = re.findall(r"`([^`]+)/`", line)
+    assert listed == [export.folder for export in EXPORTS.values()]
 
 
 def test_tables_can_be_loaded_by_the_hubs_library(dataset, statistics):

@@ -24,10 +24,12 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_a_run_plays_what_is_kept_and_says_so(tmp_path, folder):
-    request = PlanRequest(("calm_table",), seeds=1, settings=("frames=2",))
+    short = ("frames=2", "background_frames=2", "detector.background_learn_min=2")
+    request = PlanRequest(("calm_table",), seeds=1, settings=short)
     (job,) = plan(request)
     rendered = rows_of(play_complete(job))
-    words = ("--seeds", "1", "--set", "frames=2", "--jobs", "1", "--slim", "--out", tmp_path / "r")
+    words = [word for setting in short for word in ("--set", setting)]
+    words += ("--seeds", "1", "--jobs", "1", "--slim", "--out", tmp_path / "r")
     done = in_this_process("run", "calm_table", *words)
     assert done.returncode == 0, done.stderr
     line = "footage: all from the cache, nothing rendered (--no-cache renders anew)"

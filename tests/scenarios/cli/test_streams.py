@@ -27,7 +27,9 @@ def test_a_reader_that_goes_away_is_no_fault(words):
 
 def test_a_run_is_saved_though_nobody_reads_its_table(tmp_path):
     out = tmp_path / "run"
-    said, code = to_nobody("run", "cross", "--seeds", 1, "--set", "frames=1", "--out", out)
+    short = ("frames=1", "background_frames=2", "detector.background_learn_min=2")
+    settings = [word for setting in short for word in ("--set", setting)]
+    said, code = to_nobody("run", "cross", "--seeds", 1, *settings, "--jobs", 1, "--out", out)
     assert (said, code) == ("", 0)
     assert {"run.json", "report.html", "frames.parquet"} <= {f.name for f in out.iterdir()}
 

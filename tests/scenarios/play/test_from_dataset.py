@@ -12,6 +12,7 @@ from pathlib import Path
 import cv2
 import pytest
 from commands import in_this_process
+from shared import shared
 
 import sim.dataset
 from pjpdaf.errors import BenchError
@@ -79,9 +80,14 @@ def make(folder, jobs, size_px=SIZE_PX):
     return folder
 
 
+def made_of_jobs(tmp_path_factory):
+    """The data set of JOBS, made once for all test processes; read only."""
+    return shared(tmp_path_factory, "jobs", lambda folder: make(folder / "set", JOBS)) / "set"
+
+
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    return make(tmp_path_factory.mktemp("footage") / "set", JOBS)
+    return made_of_jobs(tmp_path_factory)
 
 
 @pytest.fixture

@@ -30,6 +30,7 @@ from scenarios.run.escalate import (
 from scenarios.run.save_run import save_run
 
 SHORT = ("frames=3", "fps=1")  # in three seconds a useless tracker can fall behind
+SHORT += ("background_frames=2", "detector.background_learn_min=2")
 
 
 def asked(*settings, targets=("cross",), seeds=2, first_seed=100):
@@ -59,12 +60,12 @@ def runs(tmp_path_factory, executor):
 def test_a_run_says_all_that_is_needed_to_go_on_with_it(runs):
     for run in runs:
         again = load(run.folder)
-        assert request_of(again) == asked(*again.meta["request"]["settings"][2:])
+        assert request_of(again) == asked(*again.meta["request"]["settings"][len(SHORT) :])
         jobs = planned_jobs(again)
         assert [job.seed for job in jobs] == [100, 101]
         assert jobs[0].system.tracker_settings == dict(
             pair.removeprefix("tracker.").split("=")
-            for pair in again.meta["request"]["settings"][2:]
+            for pair in again.meta["request"]["settings"][len(SHORT) :]
         )
 
 
@@ -141,8 +142,9 @@ def test_what_cannot_be_continued_says_how_to_do_it_by_hand(runs):
     assert manual_command(runs[1], "so it is") == (
         "inconclusive, and the reserve cannot be played here: so it is; play it with each of the "
         "two versions and compare these runs: pjpdaf-bench run cross --preset thesis "
-        "--set frames=3 --set fps=1 --set tracker.measurement_px2=1e7 --first-seed 1000000 "
-        "--seeds 14 --slim --out DIR"
+        "--set frames=3 --set fps=1 --set background_frames=2 "
+        "--set detector.background_learn_min=2 --set tracker.measurement_px2=1e7 "
+        "--first-seed 1000000 --seeds 14 --slim --out DIR"
     )
     other = [{**one, "digests": ["x", "y"]} for one in runs[0].meta["scenarios"]]
     with pytest.raises(CannotEscalate, match="have changed") as caught:

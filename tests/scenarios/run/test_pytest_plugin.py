@@ -1,9 +1,11 @@
-"""The plug-in as its users have it: pytest in a process of its own, on a tiny real run."""
+"""The plug-in as its users have it, on a tiny real run."""
 
+import io
 import os
 import shutil
 import subprocess
 import sys
+from contextlib import redirect_stdout
 from pathlib import Path
 
 import pytest
@@ -16,6 +18,8 @@ TESTS = """
 from pathlib import Path
 
 import pytest
+
+SHORT = {"frames": 3, "background_frames": 2, "detector.background_learn_min": 2}
 from pjpdaf.tracker.filter import PJPDAF
 
 
@@ -24,7 +28,7 @@ def make(cameras):
 
 
 def test_runs(pjpdaf_run, assert_no_regression):
-    run = pjpdaf_run("cross", seeds=1, settings={"frames": 3})
+    run = pjpdaf_run("cross", seeds=1, settings=SHORT)
     assert run.median_error_mm < 60
     assert 0.9 <= run.within_100 <= 1
     assert (run.swapped, run.lost) == (0, 0)
@@ -44,7 +48,7 @@ def test_a_data_set(pjpdaf_run, request):
 
 
 def test_before(pjpdaf_run, assert_no_regression):
-    pjpdaf_run("cross", seeds=1, settings={"frames": 3})
+    pjpdaf_run("cross", seeds=1, settings=SHORT)
 
 
 def test_bad_input(pjpdaf_run):
@@ -53,11 +57,11 @@ def test_bad_input(pjpdaf_run):
 
 OWN = """
 def test_own_other(pjpdaf_run, assert_no_regression):
-    pjpdaf_run("cross", seeds=2, settings={"frames": 3})
+    pjpdaf_run("cross", seeds=2, settings=SHORT)
 
 
 def test_own(pjpdaf_run, assert_no_regression):
-    assert_no_regression(pjpdaf_run("cross", seeds=1, settings={"frames": 3}, tracker="mine:make"))
+    assert_no_regression(pjpdaf_run("cross", seeds=1, settings=SHORT, tracker="mine:make"))
 
 
 def test_own_without_a_baseline(assert_no_regression):
@@ -68,8 +72,29 @@ def test_own_without_a_baseline(assert_no_regression):
 """
 
 
+@pytest.fixture
+def pytest_here(folder, monkeypatch):
+    """The same as `pytest_in`, in this process: without the seconds in which all is loaded."""
+    for name in [name for name in os.environ if name.startswith("PYTEST_")]:
+        monkeypatch.delenv(name)
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+    monkeypatch.setenv("PJPDAF_BENCH_CACHE", str(folder / "cache"))
+    monkeypatch.chdir(folder)
+    monkeypatch.syspath_prepend(folder)
+
+    def run(*words):
+        output = io.StringIO()
+        with redirect_stdout(output):
+            code = pytest.main(["-p", "pjpdaf.pytest_plugin", "-q", *words])
+        for name in ("test_mine", "mine"):
+            sys.modules.pop(name, None)
+        return subprocess.CompletedProcess(words, code, output.getvalue())
+
+    return run
+
+
 def pytest_in(folder, *words):
-    """Only our plug-in, so that nothing else can warn."""
+    """Only our plug-in, so that nothing else can warn; in a process of its own."""
     env = {k: v for k, v in os.environ.items() if not k.startswith("PYTEST_")}
     env |= {"PYTHONPATH": str(ROOT), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
     env |= {"PJPDAF_BENCH_CACHE": str(folder / "cache")}
@@ -84,10 +109,10 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_a_run_is_played_and_held_against_its_baseline(folder, tmp_path_factory):
+def test_a_run_is_played_and_held_against_its_baseline(folder, pytest_here, tmp_path_factory):
     (folder / "set").symlink_to(made_dataset(tmp_path_factory))
     words = ("-k", "runs or data_set", "--pjpdaf-baseline", "base", "--pjpdaf-jobs", "1")
-    made = pytest_in(folder, *words, "--pjpdaf-update-baseline")
+    made = pytest_here(*words, "--pjpdaf-update-baseline")
     assert made.returncode == 0, made.stdout
     size = sum(p.stat().st_size for p in (folder / "base" / "test_runs").iterdir())
     assert size < 60_000
@@ -102,7 +127,7 @@ def test_a_run_is_played_and_held_against_its_baseline(folder, tmp_path_factory)
     (folder / "test_mine.py").write_text(TESTS + OWN)
     (folder / "base" / "test_runs").rename(folder / "base" / "test_own")
     shutil.copytree(folder / "base" / "test_own", folder / "base" / "test_own_other")
-    worse = pytest_in(folder, "-k", "own or before", *words[2:], "--basetemp", "played")
+    worse = pytest_here("-k", "own or before", *words[2:], "--basetemp", "played")
     assert worse.returncode == 1
     assert "base/test_own: " in worse.stdout
     assert "| error_mm |" in worse.stdout
@@ -126,7 +151,7 @@ def test_faults_are_one_line_without_a_traceback(folder):
 def test_it_imports_nothing_until_it_is_used(folder):
     code = (
         "import sys, pjpdaf.pytest_plugin;"
-        "heavy = {'numpy', 'cv2', 'mujoco', 'pandas', 'scipy', 'plotly', 'pydantic', 'pyarrow'};"
+        "heavy = {'numpy', 'cv2', 'mujoco', 'pandas', 'scipy', 'pydantic', 'pyarrow'};"
         "assert not heavy & set(sys.modules), heavy & set(sys.modules)"
     )
     env = {**os.environ, "PYTHONPATH": str(ROOT)}

@@ -26,7 +26,7 @@ from scenarios.play.play import play_complete
 from scenarios.run.save_run import scenario_record
 from scenarios.tracks.files import read_tracks
 from scenarios.tracks.score import ScoreRequest, score_tracks
-from tests.scenarios.play.test_from_dataset import JOBS, ROOT, make, request
+from tests.scenarios.play.test_from_dataset import JOBS, ROOT, made_of_jobs, request
 
 HEADER = "sequence,frame,target,x_m,y_m,z_m"
 COUNTS = {"seq_000000": 5, "seq_000001": 4}
@@ -34,7 +34,7 @@ COUNTS = {"seq_000000": 5, "seq_000001": 4}
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    return make(tmp_path_factory.mktemp("score") / "set", JOBS)
+    return made_of_jobs(tmp_path_factory)
 
 
 @pytest.fixture(scope="module")
