@@ -72,7 +72,6 @@ TRACKER = (
     Part("fading evidence", {"memory_s": "1e9"}, SLEEVES),
     Part("more than one hypothesis", HYPOTHESES),
     Part("mean of hypotheses", {"mean_within": "0"}, HYPOTHESES),
-    Part("hands that change places", {"exchange_cost": "0"}),
     Part("rest, movement and fast movement", {"deviations_m": "0.168,0.168,0.168"}),
     Part("errors common to both views", {"whole_px": "0.1,2.6", "part_px": "0.1,8.2"}),
     Part("sightings of one view", {"single_view": NEVER}),

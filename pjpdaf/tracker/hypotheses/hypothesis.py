@@ -8,7 +8,6 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from pjpdaf.tracker.hypotheses.candidates import HALF, OTHER_HALF
-from pjpdaf.tracker.hypotheses.change_places import both_hands
 from pjpdaf.tracker.hypotheses.motion import correct, log_likelihood, spread, steps
 from pjpdaf.tracker.hypotheses.pairs import Pairs
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
@@ -108,8 +107,7 @@ def grow(
     sleeve = against_right[:, None] + against_left[None, :]
     kept = np.array([h.evidence for h in hypotheses]) * _kept_share(seen.odds, dt_s, p)
     base = np.array([h.cost for h in hypotheses])[:, None, None] + joint[None]
-    hands = np.array([h.means for h in hypotheses])
-    base = base + both_hands(each, hands, seen.face_m[0], n, dt_s, p.motion)
+    base = base + each[:, 0, :, None] + each[:, 1, None, :]
     half = ((seen.pairs.part == HALF) | (seen.pairs.part == OTHER_HALF)).any(axis=1).tolist()
     half += [False] * (k + 1)
     total = base + kept[:, None, None] + sleeve[None]
@@ -129,12 +127,12 @@ def grow(
         for side, choice in enumerate((right, left)):
             if (k, side, choice) not in moved:
                 moved[k, side, choice] = _moved(hypotheses[k], side, choice, points, C, dt_s, p)
-        both = moved[k, 0, right], moved[k, 1, left]
-        means = np.array([hand[0] for hand in both])
+        hands = moved[k, 0, right], moved[k, 1, left]
+        means = np.array([hand[0] for hand in hands])
         if any(np.abs(g.means - means).max() < SAME_M for g in grown):
             continue
-        covariances = np.array([hand[1] for hand in both])
-        unseen = np.array([hand[2] for hand in both])
+        covariances = np.array([hand[1] for hand in hands])
+        unseen = np.array([hand[2] for hand in hands])
         evidence = float(kept[k] + sleeve[right, left])
         cost = float(base[k, right, left])
         halves = half[right], half[left]

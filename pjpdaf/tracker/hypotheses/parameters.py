@@ -55,12 +55,6 @@ class MotionParameters:
     # The same of the head.
     head_weights: tuple[float, float] = (0.8, 0.2)
     head_deviations_m: tuple[float, float] = (0.012, 0.1)
-    # Most that motion says for the names of two hands that are found where two hands were, beside
-    # what a fast movement from one to the other costs [log-odds]; 0 = no such bound.
-    exchange_cost: NotNegative = 1.0
-
-    def __post_init__(self) -> None:
-        check_bounds(OWNER, self)
 
 
 @dataclass(frozen=True)
