@@ -39,6 +39,11 @@ def test_failures_are_confirmed_first_and_the_worst_first(page) -> None:
     # An episode that the folder does not have: no strip, no link.
     assert "<img" not in titles[2]
     assert "#play" not in titles[2]
+    # The budget ended before it was known what matters, and before fresh noise.
+    assert "Needs some of speed" in titles[2]
+    assert "noise seeds" not in titles[2]
+    assert "Needs speed" in titles[0]
+    assert "7 of 8 fresh noise seeds" in titles[0]
     assert "2 of 3 tried" not in text
     assert "2 of 3 confirmed in rendered pictures" in text
 
