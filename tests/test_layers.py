@@ -26,10 +26,12 @@ def test_package_inits_are_docstrings_alone():
         assert text.count('"""') == 2, package
 
 
-def test_pjpdaf_alone_loads_no_simulator():
+def test_pjpdaf_alone_loads_no_simulator_and_a_run_no_statistics():
     code = (
         "import sys, pjpdaf.tracker.filter, pjpdaf.detector.detector, pjpdaf.plugins.registry;"
-        "bad = {'mujoco', 'pandas', 'plotly', 'sim', 'reports', 'scenarios'} & set(sys.modules);"
-        "assert not bad, bad"
+        "bad = {'mujoco', 'pandas', 'sim', 'reports', 'scenarios'} & set(sys.modules);"
+        "assert not bad, bad;"
+        # Half a second of every command.
+        "import scenarios.run.run; assert 'scipy.stats' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)

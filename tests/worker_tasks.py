@@ -99,6 +99,24 @@ def surroundings(name):
     return os.getcwd(), sys.path[0], os.environ.get(name)  # noqa: PTH109
 
 
+def memory_with_holes(above_mb):
+    """Megabytes of this process with 100 MB of holes, and after it has given memory back."""
+    from sim.processes import give_back_memory
+
+    blocks = [bytearray(1000) for _ in range(100_000)]
+    kept = blocks[::1000]
+    blocks.clear()
+    before = resident_mb()
+    give_back_memory(above_mb)
+    assert len(kept) == 100
+    return before, resident_mb()
+
+
+def resident_mb():
+    words = Path("/proc/self/status").read_text().split()
+    return int(words[words.index("VmRSS:") + 1]) / 1e3
+
+
 def memory_after(job):
     """Megabytes of this process after it has played a job: now, and at the most."""
     from scenarios.play.play import play_complete

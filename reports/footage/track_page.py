@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +11,10 @@ import numpy as np
 
 from pjpdaf.camera import StereoRig
 from pjpdaf.interfaces import STATUSES
-from reports.footage.plots import paths_figure, time_figure
+from reports.footage.plots import paths_chart, time_chart
 from reports.footage.track_record import TrackRecord
 from reports.page.enlarged_pictures import EnlargedPicture
-from reports.page.packing import data_address, gzip_text, json_text
+from reports.page.packing import data_address
 from reports.page.templating import rendered, script, shared_scripts, styles
 from reports.summary.text import count
 
@@ -44,10 +42,7 @@ class TrackInfo:
 
 def track_page(record: TrackRecord, info: TrackInfo) -> str:
     """Build the page of footage: one self-contained HTML text."""
-    plots = {
-        "paths-0": paths_figure(record.samples),
-        "time-0": time_figure(record.samples, record.missing_frames),
-    }
+    begun = record.first_frame is not None
     pictures = [
         EnlargedPicture(caption, data_address("image/jpeg", jpeg))
         for caption, jpeg in record.pictures
@@ -58,9 +53,9 @@ def track_page(record: TrackRecord, info: TrackInfo) -> str:
     return rendered(
         "track.html.j2",
         css=styles("track.css"),
-        scripts=[*shared_scripts(), script("unpack.js", "plots.js"), script("lightbox.js")],
-        plots=json_text(plots),
-        plotly=_plotly(),
+        scripts=[*shared_scripts(), script("lightbox.js")],
+        time_chart=time_chart(record.samples, record.missing_frames) if begun else None,
+        paths_chart=paths_chart(record.samples) if begun else None,
         record=record,
         info=info,
         summaries=record.summaries(),
@@ -74,10 +69,3 @@ def track_page(record: TrackRecord, info: TrackInfo) -> str:
         thinned=record.frames > len(record.samples),
         count=count,
     )
-
-
-@cache
-def _plotly() -> str:
-    """plotly.js as it ships with the Python package, packed (1.9 instead of 4.8 MB)."""
-    # The package itself takes half a second to import and is not needed for this.
-    return gzip_text((resources.files("plotly") / "package_data" / "plotly.min.js").read_bytes())

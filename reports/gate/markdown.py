@@ -6,6 +6,7 @@ import re
 
 from reports.gate.advice import advice_lines
 from reports.gate.junit import clean
+from reports.gate.metrics import REACH
 from reports.gate.text import (
     cap_text,
     difference_text,
@@ -40,7 +41,7 @@ def markdown(verdict: Verdict) -> str:
     ]
     if capped := [text for m in verdict.metrics if (text := cap_text(m))]:
         lines += ["", f"\\* {'; '.join(capped)}."]
-    if verdict.advice is not None:
+    if verdict.advice is not None and verdict.verdict == "inconclusive":
         lines += _advice(verdict.advice)
     if verdict.left_out:
         lines += [
@@ -61,6 +62,8 @@ def markdown(verdict: Verdict) -> str:
             "|---|---|---:|---:|---:|---:|",
             *(_group_row(g) for g in beyond),
         ]
+        if any(g.capped for g in beyond):
+            lines += ["", f"\\* capped: an episode counts {REACH:g} default margins at most."]
     if verdict.worst:
         lines += [
             "",
@@ -103,10 +106,10 @@ def _metric_row(judged: MetricVerdict) -> str:
 
 
 def _group_row(difference: GroupDifference) -> str:
-    unit = unit_text(difference.metric)
+    unit, star = unit_text(difference.metric), "\\*" if difference.capped else ""
     return (
         f"| {_code(difference.group)} | {difference.metric.name} | {number(difference.base)}{unit} "
-        f"| {number(difference.new)}{unit} | {number(difference.difference, '+')}{unit} | "
+        f"| {number(difference.new)}{unit} | {number(difference.difference, '+')}{star}{unit} | "
         f"{difference.episodes} |"
     )
 

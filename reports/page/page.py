@@ -22,7 +22,7 @@ from reports.page.run_entries import (
 from reports.page.run_report import run_report
 from reports.page.scenario_sections import scenario_sections
 from reports.page.summary_tables import group_table, scenario_table, target_table
-from reports.page.templating import rendered, script, shared_scripts, styles, write_text
+from reports.page.templating import rendered, script, shared_scripts, styles, write_made
 from reports.page.thesis_figures import ThesisFigure, thesis_figures
 from reports.run.load import SavedRun
 from reports.summary.text import count
@@ -100,7 +100,7 @@ def write_page(
     runs: Sequence[SavedRun], path: Path, title: str = "", verdict: Verdict | None = None
 ) -> Path:
     """Write the page and return its path. Raises BenchError where it cannot be written."""
-    return write_text(path, build_page(runs, title, verdict))
+    return write_made(path, lambda: build_page(runs, title, verdict))
 
 
 def _with_unique_names(runs: Sequence[SavedRun]) -> list[SavedRun]:

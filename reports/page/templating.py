@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import re
 import shlex
+from collections.abc import Callable
 from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import jinja2
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from reports.summary.tables import time_text
 from reports.summary.text import number, percent
@@ -51,9 +52,16 @@ def shared_scripts() -> list[Markup]:
 
 def write_text(path: Path, text: str) -> Path:
     """Write a page, whole or not at all, and return its path. Raises BenchError."""
+    return write_made(path, lambda: text)
+
+
+def write_made(path: Path, make: Callable[[], str]) -> Path:
+    """Make a page and write it as `write_text` does; a place that cannot be written comes first."""
     noun = "the report"
-    with written_whole_file(path, noun, replace=True) as part, disk_faults(path, noun):
-        part.write_text(text, encoding="utf-8")
+    with written_whole_file(path, noun, replace=True) as part:
+        text = make()
+        with disk_faults(path, noun):
+            part.write_text(text, encoding="utf-8")
     return path
 
 
@@ -66,6 +74,7 @@ def _environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
+        finalize=_shares_kept_whole,
     )
     environment.filters.update(
         number=number,
@@ -77,13 +86,33 @@ def _environment() -> jinja2.Environment:
         group_title=group_title,
         plain_markdown=plain_markdown,
         shell=shlex.join,
+        words=words_kept_whole,
+        parted=parted_name,
     )
     return environment
+
+
+@jinja2.pass_eval_context
+def _shares_kept_whole(context: jinja2.nodes.EvalContext, value: Any) -> Any:
+    """A value to print; in HTML text no line ends between a number and its "%"."""
+    if context.autoescape and type(value) is str:
+        return value.replace(" %", "\N{NO-BREAK SPACE}%")
+    return value
 
 
 def plain_value(value: Any) -> str:
     """A value of run.json for reading: text as it is, all else as JSON."""
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+
+
+def words_kept_whole(command: str) -> Markup:
+    """A command in which lines end between words alone, not behind the hyphens of an option."""
+    return Markup(" ").join(Markup("<span>{}</span>").format(word) for word in command.split(" "))
+
+
+def parted_name(name: str) -> Markup:
+    """A name in which a line ends behind an underscore, where it has to."""
+    return escape(name).replace("_", Markup("_<wbr>"))
 
 
 def group_title(group: str) -> str:

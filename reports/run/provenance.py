@@ -17,7 +17,6 @@ PACKAGES = (
     "pandas",
     "pyarrow",
     "pydantic",
-    "plotly",
 )
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from markupsafe import Markup, escape
 
 from reports.gate.statistics import wilson
+from reports.page.charts.grid import grid
 from reports.page.charts.svg import BOTTOM, LEFT, RIGHT, TOP, WIDTH, Axis, svg
 from reports.score.robustness import GOALS, Goal
 from reports.stress.axes import DrawnAxis
@@ -69,7 +70,8 @@ def _chart(lines: dict[Goal, list[CurvePoint]], x: DrawnAxis, label: str) -> Mar
     intervals = [wilson(p.hits, p.n)[1] for line in lines.values() for p in line]
     top = next(t for t in (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0) if t >= max([*intervals, 0.005]))
     y = Axis(0.0, 100 * top, _HEIGHT - BOTTOM, TOP)
-    parts = [_grid(x, y)]
+    titles = (x.title, "share of trials [%]")
+    parts = [grid(x.ticks(), y.numbered(), titles, TOP, _HEIGHT - BOTTOM)]
     for n, (goal, points) in enumerate(lines.items()):
         parts += _line(goal, points, x, y, 2.5 * (n - (len(lines) - 1) / 2))
     parts += _legend(list(lines))
@@ -100,29 +102,6 @@ def _line(
             mark = f'<a href="{escape(point.link)}" aria-label="{escape(title)}">{mark}</a>'
         parts.append(mark)
     return [f'<path class="goal-line {goal}" d="{path}"/>', *parts]
-
-
-def _grid(x: DrawnAxis, y: Axis) -> str:
-    bottom = _HEIGHT - BOTTOM
-    parts = []
-    for tick in y.ticks():
-        at = y.at(tick)
-        parts.append(
-            f'<line class="grid" x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{at:.1f}" y2="{at:.1f}"/>'
-            f'<text x="{LEFT - 7}" y="{at + 4:.1f}" text-anchor="end">{tick:g}</text>'
-        )
-    for at, text in x.ticks():
-        parts.append(
-            f'<line class="grid" x1="{at:.1f}" x2="{at:.1f}" y1="{TOP}" y2="{bottom}"/>'
-            f'<text x="{at:.1f}" y="{bottom + 17}" text-anchor="middle">{escape(text)}</text>'
-        )
-    parts.append(
-        f'<text x="{(LEFT + WIDTH - RIGHT) / 2}" y="{_HEIGHT - 8}" text-anchor="middle">'
-        f"{escape(x.title)}</text>"
-        f'<text transform="translate(14 {(TOP + bottom) / 2}) rotate(-90)" text-anchor="middle">'
-        "share of trials [%]</text>"
-    )
-    return "".join(parts)
 
 
 def _legend(goals: Sequence[Goal]) -> list[str]:

@@ -68,15 +68,17 @@ class ChangedValue(Record):
 class FailureRecord(Record):
     """A distinct failure.
 
-    measure: of `reports.score.robustness`; cell: the part of the space in words; rho: of the
-    measure; severity: share of frames in error; confirmed: in full, None if not tried; survived:
-    (failures, fresh noise seeds) of the minimal case; command: plays it again.
+    measure: of `reports.score.robustness`; cell: the part of the space in words; narrowed: whether
+    all that is changed is known to matter; rho: of the measure; severity: share of frames in error;
+    confirmed: in full, None if not tried; survived: (failures, fresh noise seeds) of the minimal
+    case; command: plays it again.
     """
 
     measure: str
     cell: str
     case: CaseRecord
     changed: tuple[ChangedValue, ...]
+    narrowed: bool = True
     fidelity: Fidelity
     rho: float
     severity: Share

@@ -168,4 +168,5 @@ def _share(part: float, whole: int) -> float:
 
 def _ever(rows: pd.DataFrame, column: str) -> int:
     """Episodes in which it happened to any target."""
-    return len(rows[rows[column].to_numpy(dtype=bool)].drop_duplicates(["scenario", "seed"]))
+    happened = rows.loc[rows[column].to_numpy(dtype=bool), ["scenario", "seed"]]
+    return len(happened.drop_duplicates())

@@ -16,6 +16,12 @@ from reports.score.score import quantile
 from reports.summary.text import number
 from reports.words import ALL
 
+_FRAME_COLUMNS = ["scenario", "target", "merged", "error_mm", "err_acc_px"]
+_EPISODE_COLUMNS = [
+    *("scenario", "seed", "target", "failure", "within_50", "within_100", "merged_within_100"),
+    *("ever_swapped", "ever_captured", "ever_lost"),
+]
+
 
 @dataclass(frozen=True)
 class SummaryRow:
@@ -87,12 +93,14 @@ class Summary:
 def summarise(run: SavedRun) -> Summary:
     """The summary of a saved run."""
     scenarios = list(dict.fromkeys(run.episodes["scenario"]))
-    frames = dict(list(run.frames.groupby("scenario", sort=False)))
-    episodes = dict(list(run.episodes.groupby("scenario", sort=False)))
+    # Each of the many parts that are taken of a table costs as much as it has columns.
+    every_frame, every_episode = run.frames[_FRAME_COLUMNS], run.episodes[_EPISODE_COLUMNS]
+    frames = dict(list(every_frame.groupby("scenario", sort=False)))
+    episodes = dict(list(every_episode.groupby("scenario", sort=False)))
     rows = [
         row
         for name in scenarios
-        for row in _rows(name, frames.get(name, run.frames.iloc[:0]), episodes[name])
+        for row in _rows(name, frames.get(name, every_frame.iloc[:0]), episodes[name])
     ]
     timing: list[dict[str, Any]] = list(run.meta["timing"])
     failed = run.episodes[run.episodes["failure"] != ""].drop_duplicates(["scenario", "seed"])
@@ -101,8 +109,8 @@ def summarise(run: SavedRun) -> Summary:
         lag_frames=int(run.meta.get("lag_frames", 0)),
         complete=bool(run.meta["complete"]),
         rows=tuple(rows),
-        total=tuple(_rows(ALL, run.frames, run.episodes)),
-        hands_mm={ALL: _hands_mm(run.frames)} | {name: _hands_mm(frames[name]) for name in frames},
+        total=tuple(_rows(ALL, every_frame, every_episode)),
+        hands_mm={ALL: _hands_mm(every_frame)} | {name: _hands_mm(frames[name]) for name in frames},
         times=tuple(_times(n, [t for t in timing if t["scenario"] == n]) for n in scenarios),
         total_times=_times(ALL, timing),
         failures=tuple(
@@ -159,12 +167,12 @@ def _share(part: int, whole: int) -> float:
 
 
 def _episodes(rows: pd.DataFrame) -> int:
-    return len(rows[["scenario", "seed"]].drop_duplicates())
+    return len(set(zip(rows["scenario"], rows["seed"], strict=True)))
 
 
 def _ever(rows: pd.DataFrame, column: str) -> int:
     """Episodes in which it happened to any of the rows' targets."""
-    return _episodes(rows[rows[column].to_numpy(dtype=bool)])
+    return _episodes(rows.loc[rows[column].to_numpy(dtype=bool), ["scenario", "seed"]])
 
 
 def _times(scenario: str, timing: list[dict[str, Any]]) -> StageTimes:

@@ -1,4 +1,4 @@
-"""The summary of a run for the terminal: tables of eighty columns.
+"""The summary of a run for the terminal: tables of eighty columns, and wider ones.
 
 Names are printed as they are, never as mark-up.
 """
@@ -15,46 +15,63 @@ from reports.summary.text import count, number, percent
 from reports.words import ALL, LABELS
 
 
-def scenario_table(summary: Summary) -> Table:
-    """A row for each scenario: errors of head and hands, and what went wrong how often."""
+def scenario_table(summary: Summary, *, wide: bool = False) -> Table:
+    """A row for each scenario: errors of head and hands, and what went wrong how often.
+
+    wide: with more of the errors, and the time of each stage.
+    """
     table = _empty_table(summary)
     table.add_column("scenario", no_wrap=True)
-    for heading in ("n", "within\n100 mm", "head\nmm", "hands\nmm", "swapped", "lost"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("ms a\nframe", justify="right", no_wrap=True)
+    errors = ("within\n50 mm", "90 %\nmm", "Err_acc\npx") if wide else ()
+    events = ("swapped", "captured", "lost") if wide else ("swapped", "lost")
+    times = ("render\nms", "detect\nms", "track\nms") if wide else ()
+    _add_figures(table, "n", *(("frames",) if wide else ()), "within\n100 mm", "head\nmm")
+    _add_figures(table, "hands\nmm", *errors, *events, "ms a\nframe", *times)
     scenarios = summary.scenarios
-    for times, rows in _blocks(summary):
-        heads = [row for row in rows if row.target == TARGETS[HEAD]]
-        everything = rows[-1]
-        last = len(scenarios) != 1 and times is summary.total_times
+    for times_ms, rows in _blocks(summary):
+        head = next(row for row in rows if row.target == TARGETS[HEAD])
+        every = rows[-1]
+        hands_mm = summary.hands_mm.get(every.scenario, float("nan"))
+        more = (percent(every.within_50), number(every.p90_mm), number(every.err_acc_px))
+        stages = (times_ms.render_ms, times_ms.detect_ms, times_ms.track_ms)
         table.add_row(
-            Text(everything.scenario),
-            str(everything.episodes),
-            percent(everything.within_100),
-            number(heads[0].median_mm),
-            number(summary.hands_mm.get(everything.scenario, float("nan"))),
-            str(everything.swapped or 0),
-            str(everything.lost),
-            number(times.detect_ms + times.track_ms),
-            end_section=bool(scenarios) and everything.scenario == scenarios[-1],
-            style="bold" if last else "",
+            Text(every.scenario),
+            str(every.episodes),
+            *((str(head.frames),) if wide else ()),
+            percent(every.within_100),
+            number(head.median_mm),
+            number(hands_mm),
+            *(more if wide else ()),
+            str(every.swapped or 0),
+            *((str(every.captured),) if wide else ()),
+            str(every.lost),
+            number(times_ms.detect_ms + times_ms.track_ms),
+            *(map(number, stages) if wide else ()),
+            end_section=bool(scenarios) and every.scenario == scenarios[-1],
+            style="bold" if len(scenarios) != 1 and times_ms is summary.total_times else "",
         )
     return table
 
 
-def target_table(summary: Summary) -> Table:
-    """A row for each target of each scenario, and all of them together."""
+def target_table(summary: Summary, *, wide: bool = False) -> Table:
+    """A row for each target of each scenario, and all of them together.
+
+    wide: with more of the errors, and columns for the time of each stage, for which eighty columns
+    have no room.
+    """
     table = _empty_table(summary)
-    table.add_column("scenario,\nrender/detect/\ntrack", no_wrap=True)
-    table.add_column("target", no_wrap=True)
-    for heading in ("frames", "median\nmm", "90 %\nmm", "Err_acc\npx", "within\n100 mm"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    for heading in ("ever\nswapped", "ever\nlost"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    for times, rows in _blocks(summary):
-        timed = f"{time_text(times).replace(' ', '')} ms"
+    name = "scenario" if wide else "scenario,\nrender/detect/\ntrack"
+    for heading in (name, "target"):
+        table.add_column(heading, no_wrap=True)
+    errors = ("within\n50 mm",) if wide else ()
+    events = ("ever\ncaptured",) if wide else ()
+    times = ("render\nms", "detect\nms", "track\nms") if wide else ()
+    _add_figures(table, "frames", "median\nmm", "90 %\nmm", "Err_acc\npx", *errors)
+    _add_figures(table, "within\n100 mm", "ever\nswapped", *events, "ever\nlost", *times)
+    for times_ms, rows in _blocks(summary):
+        timed = "" if wide else f"{time_text(times_ms).replace(' ', '')} ms"
+        stages = (times_ms.render_ms, times_ms.detect_ms, times_ms.track_ms)
         for row in rows:
-            # Eighty columns: the times have no column of their own.
             left = {"head": Text(row.scenario), "right_hand": Text(timed, style="dim")}
             table.add_row(
                 left.get(row.target, ""),
@@ -63,13 +80,21 @@ def target_table(summary: Summary) -> Table:
                 number(row.median_mm),
                 number(row.p90_mm),
                 number(row.err_acc_px),
+                *((percent(row.within_50),) if wide else ()),
                 percent(row.within_100),
                 "-" if row.swapped is None else f"{row.swapped}/{row.episodes}",
+                *((f"{row.captured}/{row.episodes}",) if wide else ()),
                 f"{row.lost}/{row.episodes}",
+                *([number(ms) if row.target == ALL else "" for ms in stages] if wide else ()),
                 end_section=row.target == ALL,
                 style="bold" if row.target == ALL else "",
             )
     return table
+
+
+def _add_figures(table: Table, *headings: str) -> None:
+    for heading in headings:
+        table.add_column(heading, justify="right", no_wrap=True)
 
 
 def _empty_table(summary: Summary) -> Table:

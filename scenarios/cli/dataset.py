@@ -188,9 +188,9 @@ def parse_formats(text: str | None, labels: Collection[str]) -> tuple[str, ...]:
     for name in named:
         if name not in EXPORTS:
             hint = suggestion(name, (*EXPORTS, "none"))
-            raise BenchError(f"--export {name[:40]}: no such format{hint}")
+            raise BenchError(f"{name[:40]}: no such format{hint}")
     for name in named:
         label = EXPORTS_NEED.get(name)
         if label is not None and label not in labels:
-            raise BenchError(f"--export {name}: is made of the label {label}, which is left out")
+            raise BenchError(f"{name}: is made of the label {label}, which is left out")
     return tuple(name for name in EXPORTS if name in named)

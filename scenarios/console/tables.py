@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
+from copy import copy
 
 from rich.console import Console
 from rich.measure import Measurement
@@ -21,13 +22,18 @@ INDENT = "  "
 _HELD = "\u00a0"  # a space at which a line does not end
 
 
-def print_table(table: Table, console: Console | None = None) -> None:
-    """Print a table whose cells are texts, and set the widths of its columns."""
+def print_table(table: Table, console: Console | None = None, wider: Table | None = None) -> None:
+    """Print a table whose cells are texts, and set the widths of its columns.
+
+    wider: the same rows with more columns; printed in its stead on a terminal that has the room.
+    """
     console = Console() if console is None else console
+    if wider is not None and is_screen(console) and _natural(wider, console) <= console.width:
+        table = wider
     title, caption = table.title, table.caption
     table.title = table.caption = None
     longest = _widths(table, _longest_line)
-    natural = Measurement.get(console, console.options.update(max_width=10_000), table).maximum
+    natural = _natural(table, console)
     wide = console if is_screen(console) else Console(file=console.file, width=natural)
     room = wide.width - (natural - sum(longest))
     needed = _widths(table, _longest_word)
@@ -42,6 +48,13 @@ def print_table(table: Table, console: Console | None = None) -> None:
             console.print(line, highlight=False, soft_wrap=True)
     if caption is not None:
         print_line(str(caption), console, "dim")
+
+
+def _natural(table: Table, console: Console) -> int:
+    """The columns that a table takes where there is room; its title may be longer."""
+    bare = copy(table)
+    bare.title = bare.caption = None
+    return Measurement.get(console, console.options.update(max_width=10_000), bare).maximum
 
 
 def _shared(needed: Sequence[int], longest: Sequence[int], room: int) -> list[int]:

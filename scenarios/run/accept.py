@@ -74,7 +74,7 @@ def _print_changes(console: Console, before: SavedRun, run: SavedRun) -> None:
         print_line(line, console)
         return
     if not verdict.identical:
-        print_table(verdict_table(verdict), console)
+        print_table(verdict_table(verdict), console, wider=verdict_table(verdict, wide=True))
     print_line(_change(verdict), console)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -80,7 +81,7 @@ def compare_runs(request: CompareRequest) -> int:
         verdict = compare(base, new, margins)
     write_verdict(verdict, out, request.argv)
     console = Console()
-    print_table(verdict_table(verdict), console)
+    print_table(verdict_table(verdict), console, wider=verdict_table(verdict, wide=True))
     for text in filter(None, map(cap_text, verdict.metrics)):
         print_line(f"* {text}", console)
     for note in verdict.notes:
@@ -92,6 +93,9 @@ def compare_runs(request: CompareRequest) -> int:
             print_line(line, console)
         for command in advice.commands:
             print_command(f"  {command}", console)
+    if len(new.frames) and not verdict.identical:
+        words = ["pjpdaf-bench", "report", str(request.new), "--baseline", str(request.base)]
+        print_command(f"to see where: {shlex.join(words)}", console)
     print_line(f"written: {', '.join(str(out / name) for name in FILES)}", console)
     if refused:
         sys.stderr.write(f"pjpdaf-bench: {refused}\n")
@@ -154,16 +158,19 @@ def sentence(verdict: Verdict) -> str:
     return verdict_sentence(verdict, verdict.verdict, lambda metric: metric.name)
 
 
-def verdict_table(verdict: Verdict) -> Table:
-    """A row per metric, for the terminal."""
+def verdict_table(verdict: Verdict, *, wide: bool = False) -> Table:
+    """A row per metric, for the terminal; wide: with what each metric means."""
     table = plain_table(f"{verdict.new} against {verdict.base}")
     table.add_column("metric", no_wrap=True)
     share = f"{100 * (1 - verdict.alpha):.4g} %"
     for heading in ("base", "new", "difference", share, "margin"):
         table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("verdict", no_wrap=True)
+    for heading in ("verdict", *(("meaning",) if wide else ())):
+        table.add_column(heading, no_wrap=True)
     for judged in verdict.metrics:
-        table.add_row(*_cells(judged), Text(outcome_text(judged), style=STYLES[judged.verdict]))
+        outcome = Text(outcome_text(judged), style=STYLES[judged.verdict])
+        meaning = (Text(judged.metric.meaning),) if wide else ()
+        table.add_row(*_cells(judged), outcome, *meaning)
     return table
 
 

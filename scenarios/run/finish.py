@@ -90,7 +90,8 @@ def _print_results(
 ) -> None:
     out = Console()
     table = target_table if request.by_target else scenario_table
-    print_table(table(summarise(saved)), out)
+    summary = summarise(saved)
+    print_table(table(summary), out, wider=table(summary, wide=True))
     for line in blame_lines(saved.events):
         print_line(f"to blame for {line}", out)
     if (budget := budget_of(saved)) is not None:

@@ -23,6 +23,7 @@ from scenarios.stress.map.explore import MapPlan, explore
 from scenarios.stress.map.record import map_record
 from scenarios.stress.map_verb import check_plan, check_spaces
 from scenarios.stress.paired import paired_failures
+from scenarios.stress.quarantine import name_quarantined
 from scenarios.stress.search_verb import goals_of
 from scenarios.stress.space import Space
 from scenarios.stress.system_text import command_text, system_text
@@ -91,6 +92,7 @@ def compare_verb(request: CompareRequest) -> None:
         out = Console()
         print_table(_table(records), out)
         print_line(f"page: {page}", out)
+        name_quarantined(campaign, out)
 
 
 def _compared(campaign: Campaign, space: Space, request: CompareRequest) -> list[CompareRecord]:

@@ -27,6 +27,7 @@ from scenarios.stress.estimate.estimate import METHODS, MethodChoice, Sample, es
 from scenarios.stress.estimate.full_sample import failing_draws, passing_draws
 from scenarios.stress.estimate.outcomes import Outcomes
 from scenarios.stress.estimate.probability import Probability
+from scenarios.stress.quarantine import name_quarantined
 from scenarios.stress.search_verb import goals_of
 from scenarios.stress.space import Space
 from scenarios.stress.system_text import command_text, system_text
@@ -78,6 +79,7 @@ def estimate_verb(request: EstimateRequest) -> int:
         for line in _reservations(records):
             print_line(line, out)
         print_line(f"page: {page}", out)
+        name_quarantined(campaign, out)
     return INCONCLUSIVE if any(r.verdict == "inconclusive" for r in records) else 0
 
 

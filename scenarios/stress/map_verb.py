@@ -20,6 +20,7 @@ from scenarios.stress.case import Case, Trial, TrialResult
 from scenarios.stress.map.cells import MOST_CELLS, grid
 from scenarios.stress.map.explore import MapPlan, PlayedCell, axes_of, check_runs, explore
 from scenarios.stress.map.record import map_record
+from scenarios.stress.quarantine import name_quarantined
 from scenarios.stress.recording import Shown, record_episodes
 from scenarios.stress.space import Space
 from scenarios.stress.system_text import command_text, replay_command, system_text
@@ -69,6 +70,7 @@ def map_verb(request: MapRequest) -> None:
         for record in records:
             print_line(_summary(record), out)
         print_line(f"page: {page}", out)
+        name_quarantined(campaign, out)
 
 
 def check_plan(plan: MapPlan) -> None:
@@ -113,7 +115,7 @@ def _mapped(campaign: Campaign, space: Space, request: MapRequest) -> tuple[MapR
         trial = Trial(case, campaign.system, fidelity)
         shown.append(Shown(f"{name}: {words}", trial))
         keys[place] = shown[-1].key
-        commands[place] = replay_command(case, campaign.system)
+        commands[place] = replay_command(trial)
     record = map_record(
         space, plan, fidelity, cells, runs, keys, commands, command_text(request.argv)
     )

@@ -15,12 +15,14 @@ from scenarios.stress.case import Trial, TrialResult
 class Progress:
     """Counts what is played.
 
-    frames: of the last run; lost: by key, trials without a result through no fault of the draw.
+    frames: of the last run; results: runs that gave one; lost: by key, trials without a result
+    through no fault of the draw.
     """
 
     meter: Meter
     doing: str = "starting"
     runs: int = 0
+    results: int = 0
     failures: int = 0
     best: float = float("inf")
     frames: int = 0
@@ -36,6 +38,7 @@ class Progress:
         self.runs += 1
         self.failures += bool(result.failed)
         if result.robustness is not None:
+            self.results += 1
             self.best = min(self.best, result.robustness.worst)
         if result.failure is not None and result.failure.kind != "unposable":
             self.lost[trial.key] = trial, result

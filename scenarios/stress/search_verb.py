@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from pjpdaf.errors import BenchError, InfrastructureError
+from pjpdaf.errors import BenchError
 from reports.score.robustness import GOALS, Goal
 from reports.stress.page import write_stress_page
 from reports.stress.records import SearchFile, write_record
@@ -23,6 +23,7 @@ from scenarios.stress.case import Case, Fidelity
 from scenarios.stress.case_file import case_of, corpus_case, write_case
 from scenarios.stress.confirm import MOST_RUNS, Counterexample, choose, confirm
 from scenarios.stress.families import find_family
+from scenarios.stress.quarantine import name_quarantined
 from scenarios.stress.recording import record_episodes
 from scenarios.stress.search.evaluation import Evaluation, Evaluator
 from scenarios.stress.search.page_record import search_record, shown_failures, shown_measure
@@ -30,7 +31,7 @@ from scenarios.stress.search.record import KIND, VERSION, family_record
 from scenarios.stress.search.search import FamilySearch, SearchPlan, search_family
 from scenarios.stress.search.table import failure_table
 from scenarios.stress.space import Space
-from scenarios.stress.system_text import command_text, replay_command, system_text
+from scenarios.stress.system_text import command_text, system_text
 from sim.files import written_whole_file
 
 MAX_BUDGET = 1_000_000
@@ -112,10 +113,10 @@ def search_verb(request: SearchRequest) -> None:
         results = [_with_files(campaign, result) for result in results]
         _write_record(campaign, results)
         page = _write_page(campaign, results, request.argv)
-        _print(campaign, results)
-        print_line(f"page: {page}")
-        if not any(e.result.robustness for result in results for e in result.search.evaluations):
-            raise InfrastructureError("no run gave a result")
+        out = Console()
+        _print(campaign, results, out)
+        print_line(f"page: {page}", out)
+        name_quarantined(campaign, out)
 
 
 def goals_of(text: str) -> tuple[Goal, ...]:
@@ -265,8 +266,7 @@ def _write_page(campaign: Campaign, results: Sequence[FamilyFound], argv: Sequen
     return write_stress_page([campaign.folder], campaign.folder / "stress.html")
 
 
-def _print(campaign: Campaign, results: Sequence[FamilyFound]) -> None:
-    out = Console()
+def _print(campaign: Campaign, results: Sequence[FamilyFound], out: Console) -> None:
     for result in results:
         search = result.search
         failed = sum(bool(e.result.failed) for e in search.evaluations)
@@ -288,19 +288,4 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound]) -> None:
         for path in result.files:
             if path is not None:
                 print_command(f"replay: pjpdaf-bench stress {path} replay", out)
-    _print_quarantined(campaign, out)
     print_line(f"search: {campaign.folder / 'search.json'}", out)
-
-
-def _print_quarantined(campaign: Campaign, out: Console) -> None:
-    """Name the trials in which the tracker raised, hung or killed its worker."""
-    quarantined = campaign.progress.quarantined
-    if not quarantined:
-        return
-    trial, result = quarantined[0]
-    assert result.failure is not None
-    print_line(
-        f"no result in {count(len(quarantined), 'run')}, the first: {result.failure.kind}: "
-        f"{result.failure.reason}: {replay_command(trial.case, trial.system)}",
-        out,
-    )

@@ -14,6 +14,7 @@ from scenarios.console.lines import print_line
 from scenarios.stress.campaign import CampaignRequest, open_campaign
 from scenarios.stress.case import Case
 from scenarios.stress.case_file import case_of, corpus_case, load_case, system_of, write_case
+from scenarios.stress.quarantine import name_quarantined
 from scenarios.stress.search.evaluation import Evaluator
 from scenarios.stress.shrink import NEEDED, SEEDS, Shrunk, shrink
 from scenarios.stress.space import Space
@@ -74,6 +75,7 @@ def shrink_verb(request: ShrinkRequest) -> None:
                 form = corpus_case(title, kept, system, record.event, record.rho, "open", note)
                 write_case(path, form, replace=True)
                 print_line(f"{name}: {path}", out)
+        name_quarantined(campaign, out)
 
 
 def _print(out: Console, shrunk: Shrunk, space: Space, fidelity: str) -> None:

@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Sequence
 
 from scenarios.play.job import System
-from scenarios.stress.case import Case
+from scenarios.stress.case import Trial
 
 
 def system_text(system: System) -> str:
@@ -24,12 +24,15 @@ def command_text(argv: Sequence[str]) -> str:
     return f"pjpdaf-bench {shlex.join(argv)}" if argv else ""
 
 
-def replay_command(case: Case, system: System) -> str:
-    """The command that plays a case again."""
+def replay_command(trial: Trial) -> str:
+    """The command that plays a trial again, in its own fidelity."""
+    case, system = trial.case, trial.system
     words = ["pjpdaf-bench", "stress", case.family, "replay", "--seed", str(case.seed)]
     words += ["--tracker", system.tracker]
     if system.detector != system.tracker:
         words += ["--detector", system.detector]
+    if trial.fidelity == "fast":
+        words += ["--fidelity", "fast"]
     changes = {f"detector.{k}": v for k, v in system.detector_settings.items()}
     changes |= {f"tracker.{k}": v for k, v in system.tracker_settings.items()}
     for name, value in {**case.values, **changes}.items():

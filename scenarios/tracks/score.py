@@ -99,7 +99,8 @@ def score_tracks(request: ScoreRequest) -> None:
         page = write_page([saved], folder / "report.html")
     out = Console()
     table = target_table if request.by_target else scenario_table
-    print_table(table(summarise(saved)), out)
+    totals = summarise(saved)
+    print_table(table(totals), out, wider=table(totals, wide=True))
     frames = sum(row.frame_count for row in rows)
     summary = f"{count(len(rows), 'sequence')}, {count(frames, 'stereo frame')} scored"
     for line in (summary, *(f"note: {note}" for note in notes), f"report: {page}"):

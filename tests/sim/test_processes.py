@@ -18,6 +18,7 @@ from worker_tasks import (
     double,
     fails,
     hangs,
+    memory_with_holes,
     pid,
     slow_and_large,
     starts_a_process,
@@ -138,3 +139,10 @@ def test_steps_are_known_while_their_task_goes_on(tmp_path):
                 end.touch()
     assert 2 in heard
     assert heard[-1] == 0
+
+
+def test_free_memory_is_given_back_where_there_is_much():
+    ended = outcomes(memory_with_holes, {0: 1e6, 1: 0.0}, workers=1)
+    (before, kept), (full, left) = (ended[n].value for n in range(2))
+    assert kept == pytest.approx(before, abs=2)
+    assert left < full - 70

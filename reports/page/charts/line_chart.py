@@ -10,6 +10,7 @@ import numpy as np
 from markupsafe import Markup, escape
 
 from pjpdaf.arrays import Floats
+from reports.page.charts.grid import grid
 from reports.page.charts.svg import (
     BOTTOM,
     LEFT,
@@ -62,7 +63,8 @@ def line_chart(
         x0, x1 = x0 / 1.2, x1 * 1.2 or 1.0
     x_axis = Axis(x0, x1, LEFT + 6, WIDTH - RIGHT - 6, log_x)
     y_axis = Axis(low, high, height - BOTTOM, TOP)
-    parts = [_frame(x_axis, y_axis, titles, x_ticks, height)]
+    ticks = x_axis.ticks() if x_ticks is None else x_ticks
+    parts = [grid(x_axis.numbered(ticks), y_axis.numbered(), titles, TOP, height - BOTTOM)]
     if limit is not None:
         y = y_axis.at(limit[0])
         parts.append(
@@ -81,35 +83,3 @@ def line_chart(
             ]
     parts.append(legend([s.target for s in series]))
     return svg(parts, height, f"{titles[1]} against {titles[0]}")
-
-
-def _frame(
-    x_axis: Axis,
-    y_axis: Axis,
-    titles: tuple[str, str],
-    x_ticks: Sequence[float] | None,
-    height: int,
-) -> str:
-    """Grid, ticks and titles of both axes."""
-    parts = []
-    bottom = height - BOTTOM
-    for tick in y_axis.ticks():
-        y = y_axis.at(tick)
-        parts.append(
-            f'<line class="grid" x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{y:.1f}" y2="{y:.1f}"/>'
-            f'<text x="{LEFT - 7}" y="{y + 4:.1f}" text-anchor="end">{tick:g}</text>'
-        )
-    for tick in x_axis.ticks() if x_ticks is None else x_ticks:
-        x = x_axis.at(tick)
-        parts.append(
-            f'<line class="grid" x1="{x:.1f}" x2="{x:.1f}" y1="{TOP}" y2="{bottom}"/>'
-            f'<text x="{x:.1f}" y="{bottom + 17}" text-anchor="middle">{tick:g}</text>'
-        )
-    middle = (TOP + bottom) / 2
-    parts.append(
-        f'<text x="{(LEFT + WIDTH - RIGHT) / 2}" y="{height - 8}" text-anchor="middle">'
-        f"{escape(titles[0])}</text>"
-        f'<text transform="translate(14 {middle}) rotate(-90)" text-anchor="middle">'
-        f"{escape(titles[1])}</text>"
-    )
-    return "".join(parts)

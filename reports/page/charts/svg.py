@@ -34,16 +34,17 @@ def path_data(places: Floats) -> str:
     return "".join(steps)
 
 
-def marker(target: str, x: float, y: float, size: float, text: str = "") -> str:
+def marker(
+    target: str, x: float, y: float, size: float, text: str = "", *, hollow: bool = False
+) -> str:
     """A target's marker: circle, square or diamond; text: shown beside the pointer."""
     title = f"<title>{escape(text)}</title>" if text else ""
+    kind = f"mark {target}{' hollow' if hollow else ''}"
     if target == TARGETS[0]:
-        return (
-            f'<circle class="mark {target}" cx="{x:.1f}" cy="{y:.1f}" r="{size}">{title}</circle>'
-        )
+        return f'<circle class="{kind}" cx="{x:.1f}" cy="{y:.1f}" r="{size}">{title}</circle>'
     turn = f' transform="rotate(45 {x:.1f} {y:.1f})"' if target == TARGETS[2] else ""
     return (
-        f'<rect class="mark {target}" x="{x - size:.1f}" y="{y - size:.1f}" '
+        f'<rect class="{kind}" x="{x - size:.1f}" y="{y - size:.1f}" '
         f'width="{2 * size}" height="{2 * size}"{turn}>{title}</rect>'
     )
 
@@ -86,6 +87,10 @@ class Axis:
         first = math.ceil(self.low / step - 1e-9)
         last = math.floor(self.high / step + 1e-9)
         return [round(i * step, 10) for i in range(first, last + 1)]
+
+    def numbered(self, values: Sequence[float] | None = None) -> list[tuple[float, str]]:
+        """Pixel and text of values, of the ticks without."""
+        return [(self.at(v), f"{v:g}") for v in (self.ticks() if values is None else values)]
 
 
 def round_step(least: float) -> float:

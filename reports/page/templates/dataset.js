@@ -105,15 +105,15 @@ function paint(image) {
   slider.setAttribute("aria-valuetext", text);
   const last = Math.max(1, sequence.ms.length - 1);
   part("lanes").style.setProperty("--at", `${100 * i / last}%`);
-  const share = (v) => v === null ? "out of view" : `${(v / 10).toFixed(1)} %`;
+  const share = (v) => v === null ? "out of view" : `${(v / 10).toFixed(1)}\u00a0%`;
   for (let t = 0; t < 3; t++) {
-    const by = grouped([0, 1].map((v) => sequence.occluders[i][v][t].map(([name, s]) => [name, `${(s / 10).toFixed(1)} %`])));
+    const by = grouped([0, 1].map((v) => sequence.occluders[i][v][t].map(([name, s]) => [name, `${(s / 10).toFixed(1)}\u00a0%`])));
     const merged = grouped([0, 1].map((v) => sequence.merged_with[i][v][t].map((name) => [name, ""])));
     const speed = sequence.speeds[i][t];
     const values = [
       sequence.positions[i][t].map((p) => p === null ? "–" : (p / 1e4).toFixed(3)).join(" / "), speed === null ? "–" : (speed / 1000).toFixed(2),
       share(sequence.visible[i][0][t]), share(sequence.visible[i][1][t]),
-      [0, 1].map((v) => sequence.truncation[i][v][t] === null ? "–" : `${(sequence.truncation[i][v][t] / 10).toFixed(0)} %`).join(" / "), by, merged,
+      [0, 1].map((v) => sequence.truncation[i][v][t] === null ? "–" : `${(sequence.truncation[i][v][t] / 10).toFixed(0)}\u00a0%`).join(" / "), by, merged,
     ];
     values.forEach((value, n) => { part("values").rows[t].cells[n + 1].textContent = value; });
   }

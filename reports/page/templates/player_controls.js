@@ -52,7 +52,7 @@ function readout(ep, i, second) {
     row.cells[4].textContent = ep.merged[t][i] === "1" ? "merged" : "";
   }
   const doubts = [ep.exchange[i], ...(second ? [second.ep.exchange[second.i]] : [])];
-  const stated = doubts.map((p) => p === undefined || Number.isNaN(p) ? "–" : `${(100 * p).toFixed(1)} %`).join(" | ");
+  const stated = doubts.map((p) => p === undefined || Number.isNaN(p) ? "–" : `${(100 * p).toFixed(1)}\u00a0%`).join(" | ");
   part("doubt").textContent = doubts.every((p) => Number.isNaN(p)) ? "" : `Chance that the hands are exchanged, as the tracker states it: ${stated}`;
 }
 
@@ -68,6 +68,15 @@ function listEvents(ep) {
   part("no-events").hidden = ep.events.length > 0;
 }
 
+// A command in which lines end between words alone.
+function showCommand(command) {
+  part("command").replaceChildren(...command.split(" ").flatMap((word) => {
+    const whole = document.createElement("span");
+    whole.textContent = word;
+    return [whole, " "];
+  }));
+}
+
 // frame: null for the worst; other: key of the run to compare with, "" for the one of before.
 async function load(key, frame, other = "") {
   stop();
@@ -78,7 +87,7 @@ async function load(key, frame, other = "") {
   slider.max = String(ep.frames.length - 1);
   const option = picker.selectedOptions[0];
   part("facts").textContent = option ? option.dataset.facts : "";
-  if (part("command")) part("command").textContent = option?.dataset.command ?? "";
+  if (part("command")) showCommand(option?.dataset.command ?? "");
   listEvents(ep);
   drawMarks(ep);
   const last = key.lastIndexOf("-");

@@ -43,12 +43,17 @@ for (const button of mores) {
   button.addEventListener("click", () => showAll(button, button.getAttribute("aria-expanded") !== "true"));
 }
 
-// Laid out as cards a table is no table for readers who do not see it: its roles are said.
+// Laid out as cards a table is no table for readers who do not see it: its roles are said, and each
+// cell has its column's heading with it.
 const ROLES = { TABLE: "table", THEAD: "rowgroup", TBODY: "rowgroup", TFOOT: "rowgroup", TR: "row", TD: "cell" };
 for (const table of document.querySelectorAll(".as-cards")) {
   for (const part of [table, ...table.querySelectorAll("thead, tbody, tfoot, tr, th, td")]) {
     const head = part.getAttribute("scope") === "row" ? "rowheader" : "columnheader";
     part.setAttribute("role", ROLES[part.tagName] ?? head);
+  }
+  const heads = [...table.tHead.rows[table.tHead.rows.length - 1].cells];
+  for (const cell of table.querySelectorAll("td:not([data-label])")) {
+    cell.dataset.label = heads[cell.cellIndex]?.textContent ?? "";
   }
 }
 

@@ -72,6 +72,7 @@ def _failure(
     return FailureRecord(
         measure=shown_measure(one),
         cell=one.failure.words,
+        narrowed=one.failure.narrowed,
         case=CaseRecord(family=one.case.family, values=dict(one.case.values), seed=one.case.seed),
         changed=tuple(
             ChangedValue(

@@ -1,6 +1,7 @@
 """Small real data sets for the tests of this folder."""
 
 import pytest
+from shared import shared
 from small_dataset import dataset_copy, dataset_made
 
 from reports.dataset.sequence_view import sequence_views
@@ -17,16 +18,21 @@ __all__ = ["dataset_copy", "dataset_made"]
 
 HOSTILE = "</script><b>x{{ 7*7 }}"
 SIZE_PX = (160, 120)
+FRAMES = 20
 LABELS = ("clean", "depth", "seg", "amodal", "disparity", "semantic", "normals", "flow")
 
 
 @pytest.fixture(scope="session")
 def labelled(tmp_path_factory):
     """Hands that cross within twelve frames; a lens and lost pictures, without seg and amodal."""
-    folder = tmp_path_factory.mktemp("page") / "set"
+    return open_dataset(shared(tmp_path_factory, "labelled", _make) / "set")
+
+
+def _make(root):
+    folder = root / "set"
     folder.mkdir()
     lens = {"frames": 5, "lens_k1": -0.2, "lens_k2": 0.05, "dropped": 10}
-    made = (("cross", 101, {"frames": 20}, LABELS), ("calm_table", 102, lens, ("depth",)))
+    made = (("cross", 101, {"frames": FRAMES}, LABELS), ("calm_table", 102, lens, ("depth",)))
     entries = []
     for index, (name, seed, overrides, labels) in enumerate(made):
         scenario, target = load_scenario(name), folder / sequence_name(index)
@@ -49,7 +55,6 @@ def labelled(tmp_path_factory):
         )
     settings = {"labels": list(LABELS), "size_px": list(SIZE_PX)}
     write_manifest(folder, manifest_record(entries, settings, {}, complete=True))
-    return open_dataset(folder)
 
 
 @pytest.fixture(scope="session")

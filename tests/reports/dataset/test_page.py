@@ -19,6 +19,7 @@ from sim.dataset.statistics import statistics_of
 from sim.scene.world import CAMERAS
 
 LEFT = "document.querySelector('[data-part=left]')"
+FRAMES = 20  # of the first sequence
 HOSTILE = "</script><b>x{{ 7*7 }}"
 READY = "html[data-ready=yes]"
 
@@ -34,19 +35,23 @@ def page(dataset, shown):
 
 
 def test_the_first_sequences_that_fit_are_taken(dataset, shown):
-    def size(clip):
-        return sum(len(packed) for _, packed in clip.packed.values())
-
-    first, second = map(size, shown)
+    # The second sequence is short and of few layers, so that it can be packed several times.
+    sequence, clip = dataset.sequences[1], shown[1]
+    size = sum(len(packed) for _, packed in clip.packed.values())
     # Base64 of a whole film is a little shorter than that of its frames one by one.
-    room = first + 4 * shown[0].frames * len(LAYERS)
-    assert [clip.frames for clip in sequence_views(dataset.sequences, room + 2 * second)] == [20, 5]
-    assert [clip.frames for clip in sequence_views(dataset.sequences, room)] == [20]
-    (part,) = sequence_views(dataset.sequences, first // 2)
-    assert 5 < part.frames < 15
-    assert size(part) <= first // 2
-    (least,) = sequence_views(dataset.sequences, 0)
-    assert least.frames == 1
+    room = size + 4 * clip.frames * len(clip.layers)
+
+    def frames(most_bytes):
+        return [view.frames for view in sequence_views([sequence] * 3, most_bytes)]
+
+    whole = sequence.frame_count
+    assert [c.frames for c in shown] == [FRAMES, whole]
+    assert frames(2 * room) == [whole, whole]
+    assert frames(room + size // 2) == [whole]
+    assert frames(0) == [1]
+    (part,) = sequence_views([sequence], size // 2)
+    assert 1 < part.frames < whole
+    assert sum(len(packed) for _, packed in part.packed.values()) <= size // 2
     statistics = statistics_of(dataset)
     notices = [
         re.findall(r'<p class="notice">(Only.*?)</p>', dataset_page(dataset, statistics, c, "set"))
@@ -54,7 +59,7 @@ def test_the_first_sequences_that_fit_are_taken(dataset, shown):
     ]
     assert notices[0] == []
     assert notices[1][0].startswith("Only the first 1 of 2 sequences are")
-    assert f"{part.frames} of 20 frames" in notices[2][0]
+    assert f"{part.frames} of {whole} frames" in notices[2][0]
 
 
 def test_it_is_escaped_and_asks_for_nothing(page, shown):
@@ -69,9 +74,14 @@ def test_it_is_escaped_and_asks_for_nothing(page, shown):
         assert word not in outside, word
 
 
-def test_the_same_data_set_gives_the_same_page(dataset, page):
-    again = sequence_views(open_dataset(dataset.folder).sequences)
-    assert dataset_page(dataset, statistics_of(dataset), again, HOSTILE) == page
+def test_the_same_data_set_gives_the_same_page(dataset, shown):
+    def page():
+        opened = open_dataset(dataset.folder)
+        first = sequence_views(opened.sequences, least)
+        return dataset_page(opened, statistics_of(opened), first, HOSTILE)
+
+    least = sum(len(packed) for _, packed in shown[0].packed.values()) // 5  # of all layers
+    assert page() == page()
 
 
 @pytest.fixture(scope="module")
@@ -107,22 +117,22 @@ def test_slider_keys_layers_and_sequences(file, opened, shown):
         view.keyboard.press("Shift+ArrowRight")
         at(view, frame=12)
         view.keyboard.press("End")
-        at(view, frame=19)
+        at(view, frame=FRAMES - 1)
         assert all(old != new for old, new in zip(before, drawn(view), strict=True))
         pictures = []
         for number, layer in enumerate(LAYERS, 1):
             view.keyboard.press(str(number % 10))  # the tenth is 0
-            at(view, frame=19, layer=layer)
+            at(view, frame=FRAMES - 1, layer=layer)
             pictures.append(drawn(view)[0])
             assert view.inner_text("[data-part=legend]").strip()
         assert len(set(pictures)) == len(LAYERS)
         # The values are those of the frame.
         row = view.locator("[data-part=values] tr").nth(1).locator("td")
         said = [float(v) for v in row.nth(0).inner_text().split("/")]
-        np.testing.assert_allclose(said, np.array(data["positions"][19][1]) * 1e-4, atol=1e-3)
-        share = data["visible"][19][0][1]
+        np.testing.assert_allclose(said, np.array(data["positions"][-1][1]) * 1e-4, atol=1e-3)
+        share = data["visible"][-1][0][1]
         assert row.nth(2).inner_text() == (
-            "out of view" if share is None else f"{share / 10:.1f} %"
+            "out of view" if share is None else f"{share / 10:.1f}\N{NO-BREAK SPACE}%"
         )
         # The next sequence lacks most layers.
         view.keyboard.press("n")
@@ -157,15 +167,16 @@ def test_bars_jump_marks_toggle_and_playing_goes_on(file, opened, shown):
         assert view.inner_text("[data-part=play]") == "Play"
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_it_fits_on_a_phone(file, opened, scheme):
-    settings = {"viewport": {"width": 390, "height": 800}, "color_scheme": scheme}
-    with opened(file, READY, **settings, has_touch=True) as view:
+def test_it_fits_on_a_phone_and_follows_the_readers_theme(file, opened):
+    settings = {"viewport": {"width": 390, "height": 800}, "has_touch": True}
+    with opened(file, READY, **settings) as view:
         assert view.evaluate("document.documentElement.scrollWidth") == 390
         box = view.locator("[data-part=left]").bounding_box()
         assert box["width"] > 340
-        ground = view.evaluate("getComputedStyle(document.body).backgroundColor")
-        assert (ground == "rgb(255, 255, 255)") == (scheme == "light")
+        for scheme in ("dark", "light"):
+            view.emulate_media(color_scheme=scheme)
+            ground = view.evaluate("getComputedStyle(document.body).backgroundColor")
+            assert (ground == "rgb(255, 255, 255)") == (scheme == "light")
         view.locator(".layers label").nth(2).tap()
         at(view, layer="depth")
 

@@ -21,14 +21,17 @@ def estimates_of(status):
 
 @pytest.fixture
 def record_of():
-    """Make the record of a footage from the status of each frame's targets."""
+    """Make the record of a footage from the status of each frame's targets.
 
-    def make(statuses, missing=()):
+    jpeg: the picture of a frame by its index; without it no picture, but the number.
+    """
+
+    def make(statuses, missing=(), jpeg=lambda index: b"jpeg %d" % index):
         record = TrackRecord(PERIOD_S)
         for index, status in enumerate(statuses):
             pictures = (None if index in missing else PICTURE, PICTURE)
             frame = StereoFrame(index, index * PERIOD_S, pictures)
-            record.add(frame, ((), ()), estimates_of(status), lambda i=index: b"jpeg %d" % i)
+            record.add(frame, ((), ()), estimates_of(status), lambda i=index: jpeg(i))
         return record
 
     return make

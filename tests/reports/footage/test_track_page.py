@@ -1,10 +1,9 @@
 """The page of footage: escaped, self-contained, films inside or linked, worked in a browser."""
 
-import base64
-import gzip
-import json
 import re
 
+import cv2
+import numpy as np
 import pytest
 from every_reader import faults
 
@@ -41,12 +40,9 @@ def test_it_is_escaped_and_asks_for_nothing(record_of, info):
     assert "&lt;/script&gt;&lt;b&gt;x{{ 7*7 }}" in page
     assert "Incomplete." in page
     assert "Pictures missing in frame 1;" in page
-    outside = re.sub(r"<script type=[^>]*>[^<]*<", "", page)
-    for attribute in re.findall(r'(?:src|href)="([^"]*)"', outside):
+    for attribute in re.findall(r'(?:src|href)="([^"]*)"', page):
         assert attribute.startswith(("#", "data:")), attribute[:60]
-    packed = re.search(r'id="figures-packed">([^<]*)<', page)[1]
-    plots = json.loads(gzip.decompress(base64.b64decode(packed)))
-    assert plots.keys() == {"paths-0", "time-0"}
+    assert len(page) < 100_000
 
 
 def test_a_short_film_is_inside_and_a_long_one_is_linked(record_of, info, tmp_path):
@@ -60,18 +56,10 @@ def test_a_short_film_is_inside_and_a_long_one_is_linked(record_of, info, tmp_pa
         assert "Incomplete." not in page
 
 
-def test_a_browser_draws_the_plots(record_of, info, opened, tmp_path):
-    page = track_page(record_of([WAITING, *[TRACKED] * 6, *[LOST] * 3]), info())
-    path = write_text(tmp_path / "report.html", page)
-    size = {"width": 1200, "height": 900}
-    with opened(path, "html[data-ready=yes]", viewport=size) as view:
-        view.locator("#tracks").scroll_into_view_if_needed()
-        view.wait_for_selector('[data-figure="time-0"] svg')
-        assert view.inner_text("h1") == HOSTILE
-
-
 def test_it_is_for_every_reader(record_of, info, opened, tmp_path):
-    page = track_page(record_of([WAITING, *[TRACKED] * 6, *[LOST] * 3], missing=(3,)), info())
+    grey = cv2.imencode(".jpg", np.full((120, 320, 3), 90, np.uint8))[1].tobytes()
+    statuses = [WAITING, *[TRACKED] * 6, *[LOST] * 3]
+    page = track_page(record_of(statuses, missing=(3,), jpeg=lambda _: grey), info())
     path = write_text(tmp_path / "report.html", page)
-    with opened(path, "html[data-ready=yes]", reduced_motion="reduce") as view:
+    with opened(path, "#tracks .chart", reduced_motion="reduce") as view:
         assert faults(view) == []

@@ -214,6 +214,8 @@ def test_capped_differences_are_marked_wherever_they_stand():
     text = markdown(whole)
     assert r"| +12\* (+9 to +15) mm |" in text
     assert r"\* 2 of 24 differences of error_mm are capped at 30 mm." in text
+    assert r"| +12\* mm | 9 |" in text  # of the group
+    assert r"\* capped: an episode counts 10 default margins at most." in text
     assert "| at least +121.0 mm |" in text
     assert "; 2 of 9 differences of error_mm are capped at 30 mm" in junit_xml(whole)
     assert json.loads(verdict_json(whole))["metrics"][0]["capped"] == 2

@@ -20,7 +20,7 @@ from reports.score.mot import (
     summed_identity,
 )
 
-CASES = range(200)
+CASES = [*range(50), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(50, 200))]
 
 
 def case(seed, gaps=True):

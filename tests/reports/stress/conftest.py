@@ -145,7 +145,14 @@ def stress_folder(episode_of, tools, tmp_path_factory) -> Path:
                     ended="budget",
                     failures=(
                         failure(False, None, measure="lost_left", changed=()),
-                        failure(None, gone, blame=HOSTILE, command=HOSTILE),
+                        failure(
+                            None,
+                            gone,
+                            blame=HOSTILE,
+                            command=HOSTILE,
+                            narrowed=False,
+                            survived=(0, 0),
+                        ),
                         failure(True, filmed),
                         failure(True, plain, severity=0.2),
                     ),

@@ -53,6 +53,28 @@ def test_a_scenario_is_a_line_with_its_whole_name(episode_of, tools, tmp_path):
     assert max(len(line.rstrip()) for line in text.splitlines()) <= 80
 
 
+@pytest.mark.parametrize("table_of", TABLES)
+def test_the_wide_form_says_all_that_the_other_says_and_more(table_of, episode_of, tools, tmp_path):
+    centres = tools.paths(20, 3.0)
+    swapped = centres[:, [0, 2, 1]]
+    episodes = [episode_of(e, centres_m=centres, seed=n) for n, e in enumerate((centres, swapped))]
+    summary = summarise(load(save(tmp_path / "run", episodes, RunInfo("r"))))
+
+    def cells(table):
+        headings = [" ".join(str(column.header).split()) for column in table.columns]
+        columns = ([str(cell) for cell in column.cells] for column in table.columns)
+        return dict(zip(headings, columns, strict=True))
+
+    plain, wide = cells(table_of(summary)), cells(table_of(summary, wide=True))
+    first = next(iter(plain))
+    for heading in [h for h in plain if h != first]:
+        assert wide[heading] == plain[heading]
+    for heading in ("within 50 mm", "Err_acc px", "render ms", "detect ms", "track ms"):
+        assert heading in wide
+    assert "30.0" in wide["render ms"]
+    assert "20.0" in wide["detect ms"]
+
+
 def test_the_form_by_target_names_every_target(episode_of, tmp_path):
     text = printed(
         target_table(summarise(load(save(tmp_path / "r", [episode_of()], RunInfo("r")))))

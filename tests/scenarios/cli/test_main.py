@@ -87,7 +87,7 @@ def test_a_broken_mujoco_gl_is_one_line_and_exit_code_5(value, tmp_path, monkeyp
 def test_help_loads_nothing_heavy():
     code = (
         "import sys; import scenarios.cli.main;"
-        "heavy = {'numpy', 'cv2', 'mujoco', 'pandas', 'scipy', 'plotly', 'pydantic'};"
+        "heavy = {'numpy', 'cv2', 'mujoco', 'pandas', 'scipy', 'pydantic'};"
         "assert not heavy & set(sys.modules), heavy & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)

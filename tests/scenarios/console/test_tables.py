@@ -30,10 +30,10 @@ class Screen(io.StringIO):
         return True
 
 
-def printed(columns=None, **options):
+def printed(columns=None, wider=None, **options):
     file = io.StringIO() if columns is None else Screen()
     console = Console(file=file, width=columns, no_color=True, **options)
-    print_table(table(), console)
+    print_table(table(), console, wider)
     return Text.from_ansi(console.file.getvalue()).plain
 
 
@@ -46,6 +46,19 @@ def test_nothing_is_cut_and_no_word_is_broken(columns):
         assert word in words
     assert "Run runs/a-long-name-20261126-101336" in text
     assert "1 episode gave no result" in text
+
+
+@pytest.mark.parametrize(("columns", "more"), [(95, False), (120, True), (None, False)])
+def test_more_columns_are_printed_only_where_a_terminal_has_the_room(columns, more):
+    wider = table()
+    wider.add_column("more")
+    for column in wider.columns[-1:]:
+        column._cells += ["so much"] * len(NAMES)
+    text = printed(columns, wider=wider)
+    assert ("so much" in text) == more
+    assert "1 episode gave no result" in text
+    if columns:
+        assert max(map(len, text.splitlines())) <= columns
 
 
 def test_the_log_of_a_ci_job_that_asks_for_colours_is_no_screen():

