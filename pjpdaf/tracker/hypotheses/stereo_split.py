@@ -32,7 +32,7 @@ LEAST_ENDS = 4  # of each part
 FAR_PX = 15.0  # an end whose disparity differs so much from the blob's belongs to something else
 MOST_PX = 4.0  # that an end counts against a cut
 COMPACT_PX = 2.0  # cost of parts as wide as the undivided blob
-OWN_PX, ONE_HAND_PX, ONE_DEPTH_PX = 0.8, 20.0, 3.0  # deviations of the parts' depths
+OWN_PX, ONE_HAND_PX, ONE_DEPTH_PX = 0.8, 50.0, 4.0  # deviations of the parts' depths
 ONE_BLOB_PX = 6.0  # residual of the views' centres of one blob
 ALIKE_LOG_AREA = 0.5  # of one blob in the two views
 
