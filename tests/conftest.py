@@ -36,6 +36,7 @@ def pytest_collection_finish():
     """Thousands of tests and modules stay to the end: no collection of garbage looks at them."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(20_000, 20, 20)
 
 
 @pytest.fixture(scope="session")

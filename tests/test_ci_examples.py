@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import threading
@@ -13,6 +14,7 @@ from urllib.parse import parse_qs, urlparse
 
 import pytest
 from ruamel.yaml import YAML
+from shared import shared
 
 from scenarios.run.request import parse_shard
 
@@ -110,15 +112,19 @@ def played(folder, tracker, out):
     assert done.returncode == 0, done.stderr
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """Where the play step of the action has been run, with our own example as the tracker."""
-    folder = tmp_path_factory.mktemp("ci")
+def play_and_accept(folder):
+    """Run the play step of the action with our own example as the tracker; its run is the base."""
     (folder / "own_tracker.py").write_text((ROOT / "examples/own_tracker.py").read_text())
     played(folder, "own_tracker:NearestBlob", "runs/mine")
     done = shell("pjpdaf-bench baseline accept runs/mine base", folder)
     assert done.returncode == 0, done.stderr
-    return folder
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Where the play step has been run."""
+    once = shared(tmp_path_factory, "ci", play_and_accept)
+    return Path(shutil.copytree(once, tmp_path_factory.mktemp("ci") / "folder"))
 
 
 def compared(folder, baseline, out, margins="", allow="false"):
@@ -152,7 +158,9 @@ def test_the_action_fails_on_a_faulty_margin_and_keeps_the_exit_code(folder):
     assert output == ""
 
 
-@pytest.mark.parametrize(("allow", "code"), [("true", 0), ("false", 3)])
+@pytest.mark.parametrize(
+    ("allow", "code"), [("true", 0), pytest.param("false", 3, marks=pytest.mark.long)]
+)
 def test_inconclusive_is_a_warning_of_the_action_unless_it_shall_fail(folder, allow, code):
     if not (folder / "runs/other").exists():
         played(folder, "default", "runs/other")
@@ -270,6 +278,7 @@ def test_the_verdict_becomes_one_comment_which_the_next_run_replaces(tmp_path, f
     assert "no comment: " in comment(**{api: "http://127.0.0.1:1"})
 
 
+@pytest.mark.long
 def test_gitlabs_script_does_the_same(folder):
     job = read(GITLAB)["tracking"]
     lines = "\n".join(job["script"]).replace("run $TARGETS", f"run $TARGETS {TINY}")

@@ -213,6 +213,7 @@ def sixty(episode_of, tools):
     return played
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("filmed", "limit"), [(False, 9e6), pytest.param(True, 16e6, marks=pytest.mark.long)]
 )

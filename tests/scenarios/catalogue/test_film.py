@@ -132,6 +132,7 @@ def test_a_full_disk_is_one_line_and_exit_code_5(tmp_path):
     assert "No space left on device. Free some space there" in line
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.long)]
 )

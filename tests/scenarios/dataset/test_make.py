@@ -218,6 +218,7 @@ def test_a_full_disk_is_one_line_and_what_is_finished_stays(made):
     assert ".part" not in done.stdout
 
 
+@pytest.mark.long
 def test_the_ladder_has_the_same_poses_on_every_rung(tmp_path, executor):
     out = tmp_path / "set"
     larger = SequenceSettings(("depth", "seg"), (240, 180))  # so that something moves by pixels

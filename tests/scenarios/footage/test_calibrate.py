@@ -177,12 +177,14 @@ def test_the_command_recovers_the_cameras_and_names_bad_pairs(chess, tmp_path):
     assert abs(np.linalg.norm(found.T) - np.linalg.norm(truth.T)) < 0.001
 
 
+@pytest.mark.long
 def test_a_rendered_chessboard_gives_the_parameters_within_their_uncertainty(chess):
     report = calibrate(picture_pairs(chess / "left", chess / "right"), CHESS)
     assert_recovered(report, true_rig())
     assert report.rms_stereo_px < 0.15
 
 
+@pytest.mark.long
 def test_a_rendered_charuco_board_likewise(tmp_path):
     render_boards(CHARUCO, true_rig(), tmp_path)
     words = ("--board", "6x4", "--square", "0.036", "--charuco", "5x5_100", "--marker", "0.027")

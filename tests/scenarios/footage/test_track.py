@@ -404,7 +404,9 @@ def test_a_fault_in_mid_footage_keeps_what_was_tracked(footage, tmp_path):
     assert "Incomplete" in (tmp_path / "out" / "report.html").read_text()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.long)]
+)
 def test_a_signal_keeps_what_is_tracked(footage, tmp_path, number):
     files = {name: pictures(footage, name) * 40 for name in ("left", "right")}
     sides = {name: links(tmp_path / name, paths) for name, paths in files.items()}

@@ -172,6 +172,7 @@ def test_an_interrupted_run_keeps_what_is_finished(tmp_path, footage, number, se
     assert (tmp_path / "r" / "report.html").is_file()
 
 
+@pytest.mark.long
 def test_a_run_in_a_terminal_that_is_closed_keeps_what_is_finished(tmp_path, footage):
     ours, theirs = os.openpty()
     (tmp_path / "go").touch()

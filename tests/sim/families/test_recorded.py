@@ -103,7 +103,7 @@ def test_speeds_are_those_of_the_clip_slowed(slow):
             assert np.quantile(speeds[:, side], share) == pytest.approx(wanted, rel=0.05, abs=0.01)
 
 
-@pytest.mark.parametrize("seed", [100, 103])
+@pytest.mark.parametrize("seed", [100, pytest.param(103, marks=pytest.mark.long)])
 def test_motion_is_smooth_everywhere_also_where_the_clip_begins_and_ends(seed):
     played = performance(seed)
     clock = clock_of(played)
