@@ -58,6 +58,7 @@ TRACKER = (
     Part("a head in pieces joined", {"join_head": "false"}),
     Part("halves", HALVES),
     Part("halves drawn together", {"draw_together": "0"}, HALVES),
+    Part("halves cut in both views at once", {"halve_together": "false"}, HALVES),
     Part("outlines of pieces beside the head", {"contours": "false"}, BESIDE),
     Part("moments of the two views", {"learn_skew": "false"}),
     Part("hands cut by the edge", {"cut_hands": "false"}),

@@ -54,7 +54,7 @@ def entry(record):
 def page(records):
     """The page; its first lines, up to the first heading, stay."""
     text = PAGE.read_text(encoding="utf-8")
-    parts = [text[: text.index("\n## ") + 1]]
+    parts = [text[: text.index("\n## ")].rstrip() + "\n"]
     for tracker in sorted({record.tracker for record in records}):
         later = "Pictures and figures are of the version that failed. "
         later += "A case that is fixed no longer fails, and CI plays it.\n"

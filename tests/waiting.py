@@ -8,4 +8,4 @@ def until(view, function, argument=None, limit_s=120.0):
     end = time.monotonic() + limit_s
     while not view.evaluate(function, argument):
         assert time.monotonic() < end, function
-        time.sleep(0.02)
+        time.sleep(0.05)

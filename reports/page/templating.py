@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from reports.summary.tables import time_text
 from reports.summary.text import number, percent
@@ -87,6 +87,7 @@ def _environment() -> jinja2.Environment:
         plain_markdown=plain_markdown,
         shell=shlex.join,
         words=words_kept_whole,
+        parted=parted_name,
     )
     return environment
 
@@ -107,6 +108,11 @@ def plain_value(value: Any) -> str:
 def words_kept_whole(command: str) -> Markup:
     """A command in which lines end between words alone, not behind the hyphens of an option."""
     return Markup(" ").join(Markup("<span>{}</span>").format(word) for word in command.split(" "))
+
+
+def parted_name(name: str) -> Markup:
+    """A name in which a line ends behind an underscore, where it has to."""
+    return escape(name).replace("_", Markup("_<wbr>"))
 
 
 def group_title(group: str) -> str:

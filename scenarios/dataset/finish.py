@@ -31,6 +31,12 @@ from sim.processes import WorkerPool
 RAY_FRAMES = 4  # of a data set, compared with rays for its card
 
 
+def check_libraries(exports: Sequence[str]) -> None:
+    """Raise BenchError, before hours of work, where the library of a format is not installed."""
+    for name in exports:
+        EXPORTS[name].check_library()
+
+
 def write_exports(dataset: Dataset, exports: Sequence[str], jobs: int, meter: Meter) -> list[Path]:
     """Write the data set in other formats; returns the files. jobs: worker processes.
 
@@ -122,6 +128,7 @@ def export_dataset(folder: Path, exports: Sequence[str], jobs: int) -> list[Path
     jobs: worker processes of the formats. Returns the files of the formats. Raises BenchError, also
     where the data set is not finished; Interrupted after a signal.
     """
+    check_libraries(exports)
     dataset = open_dataset(folder)
     if not dataset.manifest.get("complete"):
         raise BenchError(f"{folder}: is not finished; give the command that made it once more")

@@ -14,7 +14,7 @@ from pjpdaf.errors import BenchError
 from reports.summary.text import count, duration
 from scenarios.console.interrupts import Interrupted, interrupts
 from scenarios.console.progress import Meter, progress
-from scenarios.dataset.finish import finish_dataset
+from scenarios.dataset.finish import check_libraries, finish_dataset
 from scenarios.dataset.folder import (
     check_same_dataset,
     check_same_versions,
@@ -54,6 +54,7 @@ def make_dataset(request: MakeRequest, workers: Executor | None = None) -> None:
     Raises BenchError; Interrupted after a signal.
     """
     place = place_of(request.jobs, request.cluster)
+    check_libraries(request.exports)
     recipes = plan_recipes(request)
     out = request.out.absolute()
     settings = {**request.labels.record(), "ladder": request.ladder}

@@ -121,7 +121,7 @@ def _message(kind: str, context: Mapping[str, Any], value: Any, pydantic_message
         if kind.startswith(starts):
             return f"{rule}, got {got}"
     if kind == "too_short":
-        return f"needs at least {context['min_length']} of them, got {got}"
+        return f"needs at least {context['min_length']} of them, got {context['actual_length']}"
     if kind == "too_long":
-        return f"takes {context['max_length']} of them, got {context['actual_length']}"
+        return f"takes at most {context['max_length']} of them, got {context['actual_length']}"
     return f"{pydantic_message[:1].lower()}{pydantic_message[1:]}, got {got}"

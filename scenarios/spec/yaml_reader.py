@@ -8,6 +8,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent, NodeEvent
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+from ruamel.yaml.reader import ReaderError
 
 from scenarios.spec.faults import FieldPath, FileFault, Positions, dotted
 
@@ -37,6 +38,10 @@ def read_yaml(text: str, file: str) -> tuple[Any, Positions]:
         marked_at = None if mark is None else (mark.line + 1, mark.column + 1)
         problem = (fault.problem or "cannot be read").splitlines()[0]
         raise FileFault(file, marked_at, f"is not YAML: {problem}") from None
+    except ReaderError as fault:
+        lines = text[: fault.position].split("\n")
+        at = len(lines), len(lines[-1]) + 1
+        raise FileFault(file, at, f"is not YAML: {fault.reason}") from None
     except (YAMLError, RecursionError) as fault:
         problem = (str(fault) or "nested too deeply").splitlines()[0]
         raise FileFault(file, None, f"is not YAML: {problem}") from None

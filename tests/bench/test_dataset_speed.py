@@ -52,6 +52,21 @@ def test_writer(benchmark, simulation, tmp_path_factory):
 
 
 @pytest.mark.long
+@pytest.mark.benchmark(group="a label beside depth, ids and masks, CPU", timer=time.process_time)
+@pytest.mark.parametrize("label", ["none", *Labeller.WANTED])
+def test_label(benchmark, simulation, label):
+    labeller = Labeller(simulation, [label] if label in Labeller.WANTED else [])
+
+    def make():
+        for index in range(FRAMES):
+            labeller.labelled(index)
+            if label == "flow" and index:
+                labeller.flow(index - 1)
+
+    benchmark.pedantic(make, rounds=5, warmup_rounds=1)
+
+
+@pytest.mark.long
 def test_writing_takes_little_of_the_time_of_rendering(simulation, tmp_path):
     """About 1.3 in CPU time of all threads, which other processes do not change much.
 

@@ -27,7 +27,8 @@ class Candidates:
 
     centres_px (c, 2); areas_px (c,); blob (c,) and part (c,), WHOLE .. OTHER_END; palm_px (c, 2)
     from the centre to the middle of the palm, 0 for parts; pixels (k, 2) of pieces beside the
-    head, whose outline is their own, else None.
+    head, whose outline is their own, else None; mate (c,): the only candidate of the other view
+    that can be the same, -1 for any; between_px (c,): deviation of such a centre between the views.
     """
 
     centres_px: Floats
@@ -36,6 +37,8 @@ class Candidates:
     part: Ints
     palm_px: Floats
     pixels: tuple[Floats | None, ...]
+    mate: Ints
+    between_px: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +101,8 @@ def candidates(
         part,
         palm,
         tuple(c.pixels for c in chosen),
+        np.full(len(chosen), -1),
+        np.zeros(len(chosen)),
     )
 
 
@@ -134,14 +139,24 @@ def _halves(
 ) -> Iterator[Candidate]:
     """Two hands of which one hides a part of the other are nearer than the blob's halves.
 
-    How much is hidden shows in the area. No half has an outline of its own: where one hand hides
-    most of the other, both halves' sides are the nearer hand's, and would give them its depth.
+    How much is hidden shows in the area. Only halves that are cut in both views at once have depths
+    of their own (`stereo_split.py`): where one hand hides most of the other, both halves' sides are
+    the nearer hand's.
     """
-    hidden = 1.0 - area_px / (2.0 * hand_px)
-    two = halves(pixels, float(np.clip(APART - p.draw_together * hidden, *KEPT)))
+    two = halves(pixels, drawn_together(area_px, hand_px, p))
     if two is not None:
         for k in range(2):
             yield Candidate(two[0][k], area_px * float(two[1][k]), HALF + k)
+
+
+def drawn_together(area_px: float, hand_px: float, p: CandidateParameters) -> float:
+    """Share of two halves' distance that is the hands': the less, the more of them is hidden."""
+    return float(np.clip(APART - p.draw_together * hidden_share(area_px, hand_px), *KEPT))
+
+
+def hidden_share(area_px: float, hand_px: float) -> float:
+    """Share of two hands that is hidden in a blob of an area; hand_px: of one hand."""
+    return 1.0 - area_px / (2.0 * hand_px)
 
 
 def _beside(

@@ -29,8 +29,8 @@ def row_ends(part: Floats, blob: Floats, step: float, down_px: float = 0.0) -> R
 
     down_px is taken from all rows, so that those of two views are comparable.
     """
-    low, own = _ends(part, step, down_px)
-    first, whole = _ends(blob, step, down_px)
+    low, own = ends_of_rows(part, step, down_px)
+    first, whole = ends_of_rows(blob, step, down_px)
     if not len(own):
         return RowEnds(low, own)
     whole = whole[low - first : low - first + len(own)]
@@ -38,7 +38,11 @@ def row_ends(part: Floats, blob: Floats, step: float, down_px: float = 0.0) -> R
     return RowEnds(low, np.where(free, own, np.nan))
 
 
-def _ends(pixels: Floats, step: float, down_px: float) -> tuple[int, Floats]:
+def ends_of_rows(pixels: Floats, step: float, down_px: float = 0.0) -> tuple[int, Floats]:
+    """First row of pixels (n, 2), and their ends (k, 2) [px] left and right in it and those below.
+
+    NaN where a row of the lattice has no pixel. down_px is taken from all rows.
+    """
     rows = np.rint((pixels[:, 1] - down_px) / step).astype(int)
     x = pixels[:, 0]
     if (rows[1:] < rows[:-1]).any():  # of a lattice they come in order, but for the lens

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pjpdaf.arrays import Floats
+from pjpdaf.tracker.hypotheses.candidates import HALF, OTHER_HALF
 from pjpdaf.tracker.hypotheses.motion import correct, log_likelihood, spread, steps
 from pjpdaf.tracker.hypotheses.pairs import Pairs
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
@@ -28,7 +29,8 @@ class Hypothesis:
 
     cost: negative log-odds of motion and looks; evidence: of the sleeves, which fades; means (2, 3)
     [m] right, left; covariances (2, 3, 3) [m^2]; unseen_s (2,); parent: index of the hypothesis of
-    the frame before that it comes from.
+    the frame before that it comes from; halves: whether the latest sighting of right and left is
+    half of a merged blob.
     """
 
     cost: float
@@ -37,6 +39,7 @@ class Hypothesis:
     covariances: Floats
     unseen_s: Floats
     parent: int = 0
+    halves: tuple[bool, bool] = (False, False)
 
     @property
     def total(self) -> float:
@@ -105,6 +108,8 @@ def grow(
     kept = np.array([h.evidence for h in hypotheses]) * _kept_share(seen.odds, dt_s, p)
     base = np.array([h.cost for h in hypotheses])[:, None, None] + joint[None]
     base = base + each[:, 0, :, None] + each[:, 1, None, :]
+    half = ((seen.pairs.part == HALF) | (seen.pairs.part == OTHER_HALF)).any(axis=1).tolist()
+    half += [False] * (k + 1)
     total = base + kept[:, None, None] + sleeve[None]
     if only is not None:
         ruled_out = np.full(joint.shape, np.inf)
@@ -130,7 +135,8 @@ def grow(
         unseen = np.array([hand[2] for hand in hands])
         evidence = float(kept[k] + sleeve[right, left])
         cost = float(base[k, right, left])
-        grown.append(Hypothesis(cost, evidence, means, covariances, unseen, parent=k))
+        halves = half[right], half[left]
+        grown.append(Hypothesis(cost, evidence, means, covariances, unseen, k, halves))
         if len(grown) == p.hypotheses:
             break
     least_cost, least_evidence = min(h.cost for h in grown), min(h.evidence for h in grown)

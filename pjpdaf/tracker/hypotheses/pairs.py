@@ -112,6 +112,8 @@ def _stereo(
     sane: NDArray[np.bool_] = (
         (epipolar < SANE_COST) & (depth > NEAREST_M).all(0) & (depth < FARTHEST_M).all(0)
     )
+    mated = (left.mate[i] < 0) | (left.mate[i] == j)
+    sane &= mated & ((right.mate[j] < 0) | (right.mate[j] == i))
     sane &= _coherent(left.part[i], left.blob[i], right.part[j], right.blob[j], points, own)
     if len(expected_m):
         reach = np.linalg.norm(points[:, None] - expected_m[None], axis=2).min(axis=1)
@@ -119,8 +121,11 @@ def _stereo(
     i, j, points, whole = i[sane], j[sane], points[sane], (whole & ~corrected)[sane]
     if seen is not None and costs.contours:
         points = _by_contours(views, seen, candidates, i, j, points)
+    mated = left.mate[i] >= 0
     common = np.where(whole, noise.whole_px[0], noise.part_px[0]) * views.scale
     apart = np.where(whole, noise.whole_px[1], noise.part_px[1]) * views.scale
+    apart = np.where(mated, left.between_px[i], apart)
+    points[mated] -= noise.halves_behind_m * views.axes[2]
     # What one view alone hides of a hand has moved that view's centre alone.
     unlike = np.maximum(np.abs(ratio[sane]) * LOG_AREA_SD - ALIKE_LOG_AREA, 0.0)
     radius_px = np.sqrt(np.maximum(left.areas_px[i], right.areas_px[j]) / np.pi)

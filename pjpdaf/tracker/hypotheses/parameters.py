@@ -16,6 +16,8 @@ class CandidateParameters:
 
     # Hand blobs are split in two halves.
     halves: bool = True
+    # A blob that both views show is cut in both at once, where the outlines' depths part.
+    halve_together: bool = True
     # Hands are split off the head's blob.
     beside_head: bool = True
     # The hand is an end of a long blob where forearms are bare.
@@ -72,6 +74,9 @@ class NoiseParameters:
     whole_px: tuple[float, float] = (2.5, 0.7)
     # Of parts of blobs [px at 640 columns].
     part_px: tuple[float, float] = (8.0, 2.0)
+    # How far the outlines of halves that are cut together are behind the hands: fingers go on
+    # behind the palm where hands meet before the person, fitted [m].
+    halves_behind_m: float = 0.02
     # Of a whole hand's centre between the views, in its radii for each unit of the logarithm by
     # which the views' areas differ: one view alone hides a part of it [1].
     hidden_share: NotNegative = 0.35
@@ -137,8 +142,8 @@ class SleeveParameters:
     """The arm that is fitted to the silhouette, and what its evidence is worth."""
 
     # Log-odds per difference of the two sides' scores, 0 = no sleeve evidence; their bound.
-    sleeve_weight: NotNegative = 6.0
-    sleeve_clip: NotNegative = 3.0
+    sleeve_weight: NotNegative = 8.0
+    sleeve_clip: NotNegative = 4.0
     # Time in which evidence of earlier frames fades to 1/e [s]: successive frames of one merge are
     # not independent.
     memory_s: NotNegative = 1.0
@@ -181,8 +186,10 @@ class OffsetParameters:
     # skin is lower, fitted [1].
     crown_share: float = 0.74
     # How much the offsets differ, per axis [m].
-    hand_offset_sd_m: NotNegative = 0.006
+    hand_offset_sd_m: NotNegative = 0.010
     head_offset_sd_m: NotNegative = 0.006
+    # The same of halves of two merged hands besides, fitted.
+    halves_sd_m: NotNegative = 0.025
 
     def __post_init__(self) -> None:
         check_bounds(OWNER, self)
@@ -218,7 +225,7 @@ class HypothesisParameters:
     # Hypotheses kept.
     hypotheses: AboveZeroInt = 5
     # The estimate is the mean of the hypotheses within this of the best [log-odds].
-    mean_within: NotNegative = 2.0
+    mean_within: NotNegative = 0.7
     # With a lag: how much the costs of later frames count for an earlier one [1]. They are no
     # independent evidence, and hands that roll round each other move by less than they seem to.
     later_share: NotNegative = 0.1

@@ -40,7 +40,10 @@ def read_out(
     positions = np.concatenate([head.centre(views.axes, p)[None], hands + offset])
     # The offset between surface and centre differs from person to person and from pose to pose.
     head_P = head.covariance + np.eye(3) * p.offsets.head_offset_sd_m**2
-    covariances = np.concatenate([head_P[None], P + np.eye(3) * p.offsets.hand_offset_sd_m**2])
+    # Successive frames of one merge repeat the error of its cut.
+    own = p.offsets.hand_offset_sd_m**2
+    offset_m2 = own + np.array(best.halves) * p.offsets.halves_sd_m**2
+    covariances = np.concatenate([head_P[None], P + offset_m2[:, None, None] * np.eye(3)])
     velocities = np.zeros((3, 3))
     if before is not None and dt_s > 0:
         velocities = (positions - before.positions_m) / dt_s

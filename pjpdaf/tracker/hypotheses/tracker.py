@@ -41,6 +41,7 @@ from pjpdaf.tracker.hypotheses.pairs import Pairs, pair_candidates
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 from pjpdaf.tracker.hypotheses.readout import read_out
 from pjpdaf.tracker.hypotheses.skew import NOISE_PX, Skew, Skewed, shifts
+from pjpdaf.tracker.hypotheses.stereo_split import halve_together
 
 VIEWS = 2
 START_SD_M = 0.02
@@ -268,6 +269,10 @@ class HypothesisTracker:
             candidates(view, place or nowhere, float(metre_px[v]), area_m2, bare, p.candidates)
             for v, (view, place) in enumerate(zip(seen, places, strict=True))
         )
+        if p.candidates.halve_together:
+            hand_px = area_m2 * metre_px**2
+            at = float(hand_px[0]), float(hand_px[1])
+            one, two = halve_together(self.views, seen, (one, two), at, p.candidates)
         expected = np.concatenate([h.means for h in state.hypotheses])
         skewed = None
         if state.skew is not None and dt_s > 0:

@@ -110,7 +110,8 @@ def _box(low: Floats, high: Floats, place: Any, axes: Axes) -> str:
                 f'<text class="soft" x="{x + shift:.1f}" y="{y + 10:.1f}" text-anchor="{anchor}">'
                 f"{axes.signs[along] * value + 0.0:g}</text>"
             )
-    for value in np.arange(np.ceil(low[2] / step) * step, high[2] + 1, step):
+    # Without a number at its foot, where those of the floor are.
+    for value in np.arange((np.floor(low[2] / step) + 1) * step, high[2] + 1, step):
         at = place(np.array([low[0], high[1], value]))
         parts.append(
             f'<text class="soft" x="{at[0] + 6:.1f}" y="{at[1] + 4:.1f}">'

@@ -46,8 +46,13 @@ function readout(ep, i, second) {
     const row = part("readout").rows[t];
     const both = (name, digits) => [ep[name][t][i], ...(second ? [second.ep[name][t][second.i]] : [])].map((v) => figure(v, digits)).join(" | ");
     row.cells[1].textContent = STATUS[Number(ep.status[t][i])];
-    row.cells[2].textContent = both("mm", 0);
-    row.cells[2].classList.toggle("bad", wrong(ep, i, t));
+    const errors = [[ep, i], ...(second ? [[second.ep, second.i]] : [])].map(([of, n]) => {
+      const error = document.createElement("span");
+      error.textContent = figure(of.mm[t][n], 0);
+      error.classList.toggle("bad", wrong(of, n, t));
+      return error;
+    });
+    row.cells[2].replaceChildren(errors[0], ...(second ? [" | ", errors[1]] : []));
     row.cells[3].textContent = both("px", 1);
     row.cells[4].textContent = ep.merged[t][i] === "1" ? "merged" : "";
   }

@@ -74,7 +74,7 @@ def _joining(dataset: Dataset, folder: Path) -> Iterator[AddPart]:
             file.finish()
 
 
-export = Export("coco", "annotations", "COCO's files", write_coco, _joining)
+export = Export("coco", "annotations", "COCO's files", write_coco, _joining, "pycocotools.mask")
 
 
 def _head(camera: str) -> dict[str, Any]:

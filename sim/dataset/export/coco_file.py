@@ -14,23 +14,15 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pjpdaf.errors import BenchError
-
 KINDS = IMAGES, ANNOTATIONS = "images", "annotations"
 SEPARATOR = ",\n"  # between records
 
 
 class RunLengths:
-    """pycocotools' masks. Raises BenchError where pycocotools is not installed."""
+    """pycocotools' masks."""
 
     def __init__(self) -> None:
-        try:
-            self._library: Any = importlib.import_module("pycocotools.mask")
-        except ImportError as missing:
-            raise BenchError(
-                "COCO's masks need pycocotools, which is not installed: "
-                "install pjpdaf-bench[dataset]."
-            ) from missing
+        self._library: Any = importlib.import_module("pycocotools.mask")
 
     def __call__(self, masks: NDArray[np.bool_]) -> list[tuple[dict[str, Any], int, list[int]]]:
         """Compressed column-major runs, area and box of each of n masks (n, h, w)."""

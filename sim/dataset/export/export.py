@@ -10,6 +10,7 @@ import shutil
 from collections.abc import Callable, Collection, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 
 from pjpdaf.errors import BenchError, FileError
@@ -40,7 +41,8 @@ class Export:
     name: on the command line; folder: of its files, beside the sequences; title: of these files, in
     messages. write(sequence, labels, part): write a sequence into an empty folder, also in a
     worker; labels: of the data set. joining(dataset, folder): a context in which a function adds
-    the parts, in the order of the data set, to the export's folder.
+    the parts, in the order of the data set, to the export's folder. library: that it needs, of the
+    extra `dataset`.
     """
 
     name: str
@@ -48,6 +50,20 @@ class Export:
     title: str
     write: WritePart
     joining: Callable[[Dataset, Path], AbstractContextManager[AddPart]] = moving
+    library: str = ""
+
+    def check_library(self) -> None:
+        """Raise BenchError where the library is not installed."""
+        if not self.library:
+            return
+        try:
+            import_module(self.library)
+        except ImportError as missing:
+            package = self.library.partition(".")[0]
+            raise BenchError(
+                f"{self.title} need {package}, which is not installed: install "
+                "pjpdaf-bench[dataset]."
+            ) from missing
 
     def __call__(
         self,
@@ -62,6 +78,7 @@ class Export:
         worker processes. Returns the files, sorted by path. Raises BenchError where the data set is
         damaged or lacks a label that the format needs, where a library is missing, and of the disk.
         """
+        self.check_library()
         label = EXPORTS_NEED.get(self.name)
         if label is not None and label not in dataset.labels:
             raise FileError(dataset.folder, f"has no label {label}, of which {self.title} are made")

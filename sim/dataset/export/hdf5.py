@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pjpdaf.errors import BenchError
 from sim.camera.normal_shader import STEPS, ZERO
 from sim.dataset.export.export import Export
 from sim.dataset.export.frame_columns import CAMERA_PARTS, sequence_values
@@ -51,13 +50,8 @@ _SCALES = {
 
 
 def write_file(sequence: StoredSequence, labels: Collection[str], part: Path) -> None:
-    """Write the file of a sequence. Raises BenchError where h5py is not installed."""
-    try:
-        library: Any = importlib.import_module("h5py")
-    except ImportError as missing:
-        raise BenchError(
-            "HDF5 needs h5py, which is not installed: install pjpdaf-bench[dataset]."
-        ) from missing
+    """Write the file of a sequence."""
+    library: Any = importlib.import_module("h5py")
     frames = read_frame_rows(sequence)
     path = part / f"{sequence.name}{SUFFIX}"
     with _DiskFile(path, "w+b") as disk, library.File(disk, "w") as file:
@@ -95,7 +89,7 @@ class _DiskFile(io.FileIO):
             raise self._fault
 
 
-export = Export("hdf5", "hdf5", "the HDF5 files", write_file)
+export = Export("hdf5", "hdf5", "the HDF5 files", write_file, library="h5py")
 
 
 def _pictures_written(

@@ -30,6 +30,9 @@ from sim.scene.world import CAMERAS
 from sim.steps import step
 
 DIGITS = 6
+# From a pixel's corner to that of a polygon in it: its centre, but for a hundredth, since some
+# readers cut off the fraction of a pixel (Ultralytics), others round (supervision).
+CENTRE_PX = 0.49
 IMAGES, TEXTS = "images", "labels"  # folders, each with one of a split
 Lines = Callable[[StoredSequence, FrameRows, int], list[str]]
 
@@ -106,7 +109,7 @@ def _segmentation(sequence: StoredSequence, frame: FrameRows, view: int) -> list
     for number in range(len(TARGETS)):
         outline = polygon(seg == 1 + number)
         if len(outline) >= 3:
-            lines.append(_line(number, ((outline + 0.5) / size).ravel().tolist()))
+            lines.append(_line(number, ((outline + CENTRE_PX) / size).ravel().tolist()))
     return lines
 
 

@@ -120,15 +120,16 @@ def matches_to_png(matches: Matches) -> NDArray[np.uint16]:
     """
     assert matches.places_px is not None, "only matches of the pictures as they are have places"
     height, width = matches.status.shape
-    ys, xs = np.mgrid[:height, :width]
-    known = matches.status != NO_SURFACE
-    flow = np.zeros((height, width, 3), np.uint16)
-    for channel, (axis, own) in enumerate(((1, ys), (0, xs)), start=1):
-        steps = (matches.places_px[..., axis].astype(np.float64) - own) * FLOW_SCALE + FLOW_ZERO
-        flow[..., channel] = np.where(
-            known, np.rint(np.nan_to_num(steps, nan=0.0).clip(0, 65535)), 0
-        )
+    flow = np.empty((height, width, 3), np.uint16)
     flow[..., 0] = matches.status
+    unknown = matches.status == NO_SURFACE
+    rows, columns = np.arange(height, dtype=np.float64)[:, None], np.arange(width, dtype=np.float64)
+    for channel, (axis, own) in enumerate(((1, rows), (0, columns)), start=1):
+        steps = (matches.places_px[..., axis] - own) * FLOW_SCALE + FLOW_ZERO
+        np.fmax(steps, 0.0, out=steps)  # 0 for NaN
+        np.minimum(steps, 65535.0, out=steps)
+        steps[unknown] = 0.0
+        flow[..., channel] = np.rint(steps, out=steps)
     return flow
 
 
@@ -157,9 +158,17 @@ def amodal_from_png(bits: NDArray[np.uint8], targets: int) -> NDArray[np.bool_]:
 
 
 def npz(**arrays: NDArray[Any]) -> bytes:
-    """Arrays as a compressed NPZ; the same arrays, the same bytes."""
+    """Arrays as a compressed NPZ; the same arrays, the same bytes.
+
+    NumPy's own, of deflate's level 6, takes twice the time for 2 % fewer bytes.
+    """
     buffer = io.BytesIO()
-    np.savez_compressed(buffer, allow_pickle=False, **arrays)
+    with zipfile.ZipFile(buffer, "w") as held:
+        for name, array in arrays.items():
+            file = io.BytesIO()
+            np.lib.format.write_array(file, array, allow_pickle=False)
+            info = zipfile.ZipInfo(f"{name}.npy")  # of no date
+            held.writestr(info, file.getvalue(), zipfile.ZIP_DEFLATED, compresslevel=1)
     return buffer.getvalue()
 
 

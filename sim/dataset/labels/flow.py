@@ -47,6 +47,8 @@ class ViewFlow:
     def __init__(self, camera: Camera, lens: Lens | None) -> None:
         self._camera, self._lens = camera, lens
         self._rays = pixel_rays(camera)
+        rows, columns = np.mgrid[: camera.height_px, : camera.width_px].astype(np.float32)
+        self._own_px = np.stack([columns, rows], axis=-1)
 
     def between(self, here: Moment, there: Moment) -> Matches:
         """Positions [px] in the other moment's picture of what each pixel shows, and their status.
@@ -55,27 +57,26 @@ class ViewFlow:
         reach of its lens.
         """
         focal_px = float(self._camera.K[0, 0])
-        height, width = here.depth_m.shape
         there_is = np.isfinite(here.depth_m)
         moved = self._moved(here, there) & there_is
         ys, xs = np.nonzero(moved)
         pixels, z = self._positions(here, there, ys, xs)
-        rows, columns = np.mgrid[:height, :width].astype(np.float32)
-        places = np.stack([columns, rows], axis=-1)
+        places = self._own_px.copy()
         places[~there_is] = np.nan
         places[ys, xs] = pixels
         # Of what stands still: its own pixel shows what has come before it.
         covered = (there.geoms != here.geoms) & (there.depth_m < here.depth_m)
-        status = np.where(there_is, np.where(covered, HIDDEN, SEEN), NO_SURFACE)
+        status = np.where(there_is, np.uint8(SEEN), np.uint8(NO_SURFACE))
+        status[covered] = HIDDEN
         inside, met = met_at(there.depth_m, *pixels.T)
         status[ys, xs] = status_of(np.ones(len(ys), bool), inside, z, met, focal_px)
-        return Matches(status.astype(np.uint8), places_px=places)
+        return Matches(status, places_px=places)
 
     def _moved(self, here: Moment, there: Moment) -> NDArray[np.bool_]:
         """Which pixels (h, w) show a geom that is elsewhere at the other moment."""
         same = (here.positions_m == there.positions_m).all(axis=1)
         same &= (here.rotations == there.rotations).all(axis=(1, 2))
-        return np.asarray(np.append(~same, False)[here.geoms])
+        return np.take(np.append(~same, False), here.geoms)
 
     def _positions(
         self, here: Moment, there: Moment, ys: NDArray[np.intp], xs: NDArray[np.intp]
@@ -83,15 +84,14 @@ class ViewFlow:
         """Pixels (n, 2) and depths (n,) [m] at the other moment of the surfaces of n pixels."""
         camera = self._camera
         geoms, depth_m = here.geoms[ys, xs], here.depth_m[ys, xs].astype(np.float64)
-        used, which = np.unique(geoms, return_inverse=True)
-        turns = there.rotations[used] @ here.rotations[used].transpose(0, 2, 1)
-        shifts = there.positions_m[used] - np.einsum("gij,gj->gi", turns, here.positions_m[used])
+        turns = there.rotations @ here.rotations.transpose(0, 2, 1)
+        shifts = there.positions_m - np.einsum("gij,gj->gi", turns, here.positions_m)
         # In the camera's frame: X' = R A Rᵀ (X - t) + R b + t for X' = A X + b in the world.
         R, t = camera.R_cw, camera.t_cw
         turns_c = R @ turns @ R.T
         shifts_c = shifts @ R.T + t - np.einsum("gij,j->gi", turns_c, t)
         inside_c = self._rays[ys, xs] * depth_m[:, None]
-        there_c = np.einsum("nij,nj->ni", turns_c[which], inside_c) + shifts_c[which]
+        there_c = np.einsum("nij,nj->ni", turns_c[geoms], inside_c) + shifts_c[geoms]
         z = there_c[:, 2]
         q = there_c @ camera.K.T
         ideal = (q[:, :2] / np.where(z > 0, z, np.nan)[:, None]).astype(np.float32)

@@ -167,15 +167,16 @@ def test_bars_jump_marks_toggle_and_playing_goes_on(file, opened, shown):
         assert view.inner_text("[data-part=play]") == "Play"
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_it_fits_on_a_phone(file, opened, scheme):
-    settings = {"viewport": {"width": 390, "height": 800}, "color_scheme": scheme}
-    with opened(file, READY, **settings, has_touch=True) as view:
+def test_it_fits_on_a_phone_and_follows_the_readers_theme(file, opened):
+    settings = {"viewport": {"width": 390, "height": 800}, "has_touch": True}
+    with opened(file, READY, **settings) as view:
         assert view.evaluate("document.documentElement.scrollWidth") == 390
         box = view.locator("[data-part=left]").bounding_box()
         assert box["width"] > 340
-        ground = view.evaluate("getComputedStyle(document.body).backgroundColor")
-        assert (ground == "rgb(255, 255, 255)") == (scheme == "light")
+        for scheme in ("dark", "light"):
+            view.emulate_media(color_scheme=scheme)
+            ground = view.evaluate("getComputedStyle(document.body).backgroundColor")
+            assert (ground == "rgb(255, 255, 255)") == (scheme == "light")
         view.locator(".layers label").nth(2).tap()
         at(view, layer="depth")
 

@@ -128,7 +128,10 @@ def test_two_runs_in_one_player(report, opened):
             view, "old => document.querySelector('[data-part=curves]').toDataURL() !== old", alone
         )
         assert view.inner_text("[data-part=who]") == "A (solid) is thesis, B (dashed) is default."
-        assert " | " in view.inner_text("[data-part=readout] tr:nth-child(2) td:nth-child(3)")
+        error = view.locator("[data-part=readout] tr:nth-child(2) td:nth-child(3)")
+        assert " | " in error.inner_text()
+        # The error of the run that is wrong is marked, not that of the other.
+        assert error.locator(".bad").all_inner_texts() == [error.inner_text().split(" | ")[0]]
         view.get_by_text("side by side", exact=True).first.click()
         view.wait_for_selector("#player[data-compare=beside]")
         # The pictures of both are there once; B is right where A is wrong.

@@ -90,12 +90,6 @@ def test_a_click_on_a_cell_and_on_a_strip_plays_the_episode(page, opened) -> Non
         assert red > 200
 
 
-@pytest.mark.parametrize("width", [390, 1440])
-def test_nothing_is_wider_than_the_screen(page, opened, width: int) -> None:
-    with opened(page, "html[data-thumbs=yes]", viewport={"width": width, "height": 900}) as view:
-        assert view.evaluate("document.documentElement.scrollWidth") <= width
-
-
 def test_several_folders_go_on_one_page(stress_folder, tmp_path) -> None:
     other = tmp_path / "other"
     other.mkdir()

@@ -191,6 +191,15 @@ def test_a_data_set_of_other_settings_is_left_alone(made, tmp_path):
     assert contents(out) == before
 
 
+def test_a_format_whose_library_is_missing_is_refused_before_anything_is_made(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setitem(sys.modules, "h5py", None)  # as where it is not installed
+    with pytest.raises(BenchError, match="the HDF5 files need h5py, which is not installed"):
+        make(request(tmp_path / "set", exports=("mot", "hdf5")))
+    assert not (tmp_path / "set").exists()
+
+
 def test_a_folder_with_something_else_in_it_is_left_alone(tmp_path):
     (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(BenchError, match=r"is not empty \(mine.txt\) and not a data set"):

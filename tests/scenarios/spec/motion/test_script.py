@@ -46,7 +46,7 @@ ALL = ", ".join(GESTURES)
         (["{who: both, do: grasp, object: can}"], "0:8: motion.steps.0.who: grasp is made by one hand: right or left, got both"),
         (["{who: right, do: cross}"], "0:8: motion.steps.0.who: cross is made by both hands: both, got right"),
         (["{who: right, do: reach, to: {tabel: [0.3, 0.2]}}"], "0:36: motion.steps.0.to.tabel: no such field; did you mean table?"),
-        (["{who: right, do: reach, to: {table: [0.3]}}"], "0:36: motion.steps.0.to.table: needs at least 2 of them, got a list"),
+        (["{who: right, do: reach, to: {table: [0.3]}}"], "0:36: motion.steps.0.to.table: needs at least 2 of them, got 1"),
         (["{who: right, do: reach, to: {table: [0.3, 0.2], body: chest}}"], "0:31: motion.steps.0.to: needs one of table, object, body, got two"),
         (["{who: right, do: reach, to: {}}"], "0:31: motion.steps.0.to: needs one of table, object, body"),
         (["{who: right, do: reach, to: {table: [0.3, 0.2], by: [0, 0, 0]}}"], "0:55: motion.steps.0.to.by: goes with object or body; a place on the table has it all"),

@@ -168,6 +168,6 @@ def test_objects_and_cameras_are_those_of_the_sequence(files):
 
 def test_without_the_library_one_line_says_what_to_install(dataset, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "h5py", None)
-    with pytest.raises(BenchError, match=r"HDF5 needs h5py.*pjpdaf-bench\[dataset\]"):
+    with pytest.raises(BenchError, match=r"the HDF5 files need h5py.*pjpdaf-bench\[dataset\]"):
         export(sim.dataset.open(dataset.folder), tmp_path)
     assert not list(tmp_path.iterdir())

@@ -1,5 +1,7 @@
 """Labels of real frames: what they must agree with, and that making them changes nothing."""
 
+import cProfile
+import pstats
 from dataclasses import fields, replace
 
 import numpy as np
@@ -131,8 +133,45 @@ def test_only_what_is_wanted_is_made(plain):
     assert all(view.rectified is not None and view.matches is None for view in labels.views)
     _, labels = Labeller(simulation, ["correspondence"]).labelled(0)
     assert all(view.rectified is None and view.matches is not None for view in labels.views)
+    _, labels = Labeller(simulation, ["semantic"]).labelled(0)
+    assert all(view.classes is not None and view.normals is None for view in labels.views)
+    _, labels = Labeller(simulation, ["normals"]).labelled(0)
+    assert all(view.classes is None and view.normals is not None for view in labels.views)
+    for wanted in ([name for name in Labeller.WANTED if name != "flow"], ["flow"]):
+        labeller = Labeller(simulation, wanted)
+        labeller.labelled(0)
+        if "flow" in wanted:
+            assert len(labeller.flow(0).forward) == len(labeller.flow(0).backward) == 2
+        else:
+            with pytest.raises(ValueError, match="the label flow was not wanted"):
+                labeller.flow(0)
     with pytest.raises(ValueError, match=r"unknown labels \['warmth'\]; known: \['disparity', "):
         Labeller(simulation, ["warmth"])
+
+
+# The code that makes a label of a frame: a module, or a function of one.
+MAKERS = {
+    "disparity": "labels/stereo.py:",
+    "correspondence": "labels/stereo.py:",
+    "normals": "camera/render.py:normals",
+    "flow": "labels/flow.py:",
+}
+
+
+def makers_called(labeller):
+    """The makers that ran while a frame was labelled."""
+    with cProfile.Profile() as profile:
+        labeller.labelled(1)
+    called = [f"{file}:{name}" for file, _, name in pstats.Stats(profile).stats]
+    return {maker for maker in MAKERS.values() if any(maker in code for code in called)}
+
+
+def test_what_is_not_wanted_costs_nothing(plain):
+    simulation, _ = plain
+    assert makers_called(Labeller(simulation, ())) == set()
+    assert makers_called(Labeller(simulation, ["semantic"])) == set()
+    for label, maker in MAKERS.items():
+        assert makers_called(Labeller(simulation, [label])) == {maker}
 
 
 def test_depth_is_nan_exactly_where_nothing_is(plain):
