@@ -23,9 +23,9 @@ def candidates(*outlines: bool, part: int = BESIDE) -> Candidates:
     n = len(outlines)
     pixels = tuple(np.zeros((9, 2)) if outline else None for outline in outlines)
     parts = np.full(n, part)
-    return Candidates(
-        np.zeros((n, 2)), np.zeros(n), np.zeros(n, int), parts, np.zeros((n, 2)), pixels
-    )
+    none = np.zeros((n, 2))
+    alone = np.full(n, -1)
+    return Candidates(none, np.zeros(n), np.zeros(n, int), parts, none, pixels, alone, np.zeros(n))
 
 
 def test_only_ends_of_arms_that_are_too_far_away_move_along_their_rays():
