@@ -113,6 +113,7 @@ def can_mount():
     return subprocess.run(words, capture_output=True, check=False).returncode == 0
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not can_mount(), reason="a small disk cannot be mounted here")
 def test_a_full_disk_is_one_line_and_exit_code_5(tmp_path):
     pytest.importorskip("av")

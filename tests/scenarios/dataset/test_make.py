@@ -96,6 +96,7 @@ def kill_and_go_on(out, made, rng, most_kills, jobs, executor):
         assert contents(out) == contents(made)
 
 
+@pytest.mark.long
 def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(made, tmp_path, executor):
     kill_and_go_on(tmp_path / "set", made, random.Random(1), 2, 1, executor)
 
