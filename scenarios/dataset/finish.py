@@ -114,10 +114,7 @@ def finish_dataset(
     write_manifest(out, manifest_record(entries, settings, made_with, False, command))
     dataset = open_dataset(out)
     write_exports(dataset, exports, jobs, meter)
-    meter.begin("comparing with rays", RAY_FRAMES)
-    figures = compare_with_rays(out, RAY_FRAMES).figures
-    meter.begin("statistics and checksums", None)
-    write_top(dataset, command, figures)
+    _write_listing(dataset, command, meter)
     write_manifest(out, manifest_record(entries, settings, made_with, True, command))
     write_checksums(out, [entry.folder for entry in entries])
 
@@ -148,12 +145,17 @@ def _write_formats(dataset: Dataset, exports: Sequence[str], jobs: int, meter: M
     written = write_exports(dataset, exports, jobs, meter)
     command = dataset.manifest.get("command")
     argv = [str(word) for word in command] if isinstance(command, list) else []
+    _write_listing(dataset, argv, meter)
+    write_checksums(dataset.folder, [sequence.name for sequence in dataset.sequences])
+    return written
+
+
+def _write_listing(dataset: Dataset, command: Sequence[str], meter: Meter) -> None:
+    """Write what lists a data set's contents, with the figures of a few frames against rays."""
     meter.begin("comparing with rays", RAY_FRAMES)
     figures = compare_with_rays(dataset.folder, RAY_FRAMES).figures
     meter.begin("statistics and checksums", None)
-    write_top(dataset, argv, figures)
-    write_checksums(dataset.folder, [sequence.name for sequence in dataset.sequences])
-    return written
+    write_top(dataset, command, figures)
 
 
 def write_checksums(out: Path, sequences: Sequence[str]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
 from pjpdaf.tracker.hypotheses.candidates import BESIDE, HALF, OTHER_HALF, Candidates
@@ -24,17 +25,7 @@ def before_face(
     The line between arm and head moves with the head from view to view, and says nothing of the
     depth of the arm. Pieces that are arms have no outline of their own.
     """
-    of_arms = [
-        np.array(
-            [part == BESIDE and own is None for part, own in zip(c.part, c.pixels, strict=True)]
-        )
-        for c in candidates
-    ]
-    seen = pairs.candidate >= 0
-    ends = seen.all(axis=1)
-    for view, arms in enumerate(of_arms):
-        if len(arms):
-            ends &= arms[pairs.candidate[:, view]]
+    ends = _in_both_views(pairs, candidates, (BESIDE,), outlined=False)
     middle = views.centres_m.mean(axis=0)
     wanted = float((head_m - middle) @ views.axes[2]) - BEFORE_FACE_M
     ends &= (pairs.points_m - middle) @ views.axes[2] > wanted
@@ -55,22 +46,26 @@ def unsure_depth(pairs: Pairs, candidates: tuple[Candidates, Candidates], views:
 
     Their places come from the ends of the arms, the elbows, which are farther away.
     """
-    of_arms = [
-        np.array(
-            [
-                part in (HALF, OTHER_HALF) and own is not None
-                for part, own in zip(c.part, c.pixels, strict=True)
-            ],
-            np.bool_,
-        )
-        for c in candidates
-    ]
-    met = (pairs.candidate >= 0).all(axis=1)
-    for view, arms in enumerate(of_arms):
-        if len(arms):
-            met &= arms[pairs.candidate[:, view]]
+    met = _in_both_views(pairs, candidates, (HALF, OTHER_HALF), outlined=True)
     rays = pairs.points_m[met] - views.centres_m.mean(axis=0)
     unit = rays / np.linalg.norm(rays, axis=1, keepdims=True)
     covariances = pairs.covariances_m2.copy()
     covariances[met] += unit[:, :, None] * unit[:, None, :] * MET_SD_M**2
     return replace(pairs, covariances_m2=covariances)
+
+
+def _in_both_views(
+    pairs: Pairs,
+    candidates: tuple[Candidates, Candidates],
+    parts: tuple[int, ...],
+    *,
+    outlined: bool,
+) -> NDArray[np.bool_]:
+    """Which pairs (n,) are of such parts in both views; outlined: with an outline of their own."""
+    chosen: NDArray[np.bool_] = (pairs.candidate >= 0).all(axis=1)
+    for view, c in enumerate(candidates):
+        if len(c.part):
+            own = np.array([pixels is not None for pixels in c.pixels])
+            of_parts = np.isin(c.part, parts) & (own == outlined)
+            chosen &= of_parts[pairs.candidate[:, view]]
+    return chosen

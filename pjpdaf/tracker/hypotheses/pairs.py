@@ -112,8 +112,8 @@ def _stereo(
     sane: NDArray[np.bool_] = (
         (epipolar < SANE_COST) & (depth > NEAREST_M).all(0) & (depth < FARTHEST_M).all(0)
     )
-    mated = (left.mate[i] < 0) | (left.mate[i] == j)
-    sane &= mated & ((right.mate[j] < 0) | (right.mate[j] == i))
+    sane &= (left.mate[i] < 0) | (left.mate[i] == j)
+    sane &= (right.mate[j] < 0) | (right.mate[j] == i)
     sane &= _coherent(left.part[i], left.blob[i], right.part[j], right.blob[j], points, own)
     if len(expected_m):
         reach = np.linalg.norm(points[:, None] - expected_m[None], axis=2).min(axis=1)
