@@ -62,7 +62,7 @@ def _in_both_views(
     outlined: bool,
 ) -> NDArray[np.bool_]:
     """Which pairs (n,) are of such parts in both views; outlined: with an outline of their own."""
-    chosen: NDArray[np.bool_] = (pairs.candidate >= 0).all(axis=1)
+    chosen: NDArray[np.bool_] = np.asarray((pairs.candidate >= 0).all(axis=1))
     for view, c in enumerate(candidates):
         if len(c.part):
             own = np.array([pixels is not None for pixels in c.pixels])
