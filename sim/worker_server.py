@@ -211,12 +211,38 @@ def _read_early(environment: Mapping[str, str]) -> dict[str, str]:
 
 @contextmanager
 def terminal_signals_blocked() -> Iterator[None]:
-    """Block `TERMINAL_SIGNALS`, also in the processes that are started in the block."""
+    """Block `TERMINAL_SIGNALS`, also in the processes that are started in the block.
+
+    Another thread may be sent the signal all the same, and Python calls the handler in the main
+    thread: handlers wait for the end of the block, so that no process is left half started.
+    """
     before = signal.pthread_sigmask(signal.SIG_BLOCK, TERMINAL_SIGNALS)
+    try:
+        with _handlers_waiting():
+            yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _handlers_waiting() -> Iterator[None]:
+    """Call Python's handlers of signals that end a command at the end of the block."""
+    arrived: list[int] = []
+    handlers = {}
+    if threading.current_thread() is threading.main_thread():
+        handlers = {
+            number: signal.getsignal(number) for number in (*TERMINAL_SIGNALS, signal.SIGTERM)
+        }
+    handlers = {number: handler for number, handler in handlers.items() if callable(handler)}
+    for number in handlers:
+        signal.signal(number, lambda n, _: arrived.append(n))
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        for late in arrived:
+            signal.raise_signal(late)
 
 
 class _Forks:

@@ -2,6 +2,8 @@
 
 import os
 import signal
+import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -10,6 +12,7 @@ from worker_tasks import double, pid, random_number, slow_and_large, surrounding
 
 from scenarios.execute.local import PLAYED_WITH
 from sim.processes import Answer, WorkerPool
+from sim.worker_server import terminal_signals_blocked
 
 # Modules with the tasks of all pools of ours.
 TASKS = (
@@ -104,3 +107,23 @@ def test_a_server_that_is_killed_loses_no_answer(at):
 def test_each_worker_is_a_process_of_its_own():
     pids = answers(pid, {0: 0, 1: 0}, tasks_per_worker=1)
     assert len({*pids, os.getpid(), *server_pids(os.getpid())}) == 4
+
+
+def test_a_handler_waits_for_the_end_of_a_start_though_another_thread_is_sent_the_signal():
+    there, done, passed = threading.Event(), threading.Event(), []
+    other = threading.Thread(target=lambda: (there.set(), done.wait()))
+    other.start()  # before the block: it blocks no signal
+    there.wait()
+
+    def starts():
+        with terminal_signals_blocked():
+            signal.pthread_kill(other.ident, signal.SIGINT)
+            time.sleep(0.05)
+            passed.append(True)
+
+    with pytest.raises(KeyboardInterrupt):
+        starts()
+    done.set()
+    other.join()
+    assert passed
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
