@@ -16,7 +16,7 @@ CONTEXT = {"max_content_width": MOST_COLUMNS}
 
 # The class has no public name.
 class NarrowFormatter(Context.formatter_class):  # type: ignore[misc, valid-type]
-    """A formatter that fits a terminal of any width; on a narrow one a sentence is below its name."""
+    """A formatter that fits any terminal; on a narrow one a sentence stands below its name."""
 
     def __init__(self, **settings: Any) -> None:
         columns = shutil.get_terminal_size().columns
