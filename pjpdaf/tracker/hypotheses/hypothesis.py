@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pjpdaf.arrays import Floats
+from pjpdaf.tracker.hypotheses.activity import share_of_motion, speed_after, tempered
 from pjpdaf.tracker.hypotheses.candidates import HALF, OTHER_HALF
 from pjpdaf.tracker.hypotheses.motion import correct, log_likelihood, spread, steps
 from pjpdaf.tracker.hypotheses.pairs import Pairs
@@ -30,7 +31,7 @@ class Hypothesis:
     cost: negative log-odds of motion and looks; evidence: of the sleeves, which fades; means (2, 3)
     [m] right, left; covariances (2, 3, 3) [m^2]; unseen_s (2,); parent: index of the hypothesis of
     the frame before that it comes from; halves: whether the latest sighting of right and left is
-    half of a merged blob.
+    half of a merged blob; speed_mps: of the hands lately, root mean square.
     """
 
     cost: float
@@ -40,6 +41,7 @@ class Hypothesis:
     unseen_s: Floats
     parent: int = 0
     halves: tuple[bool, bool] = (False, False)
+    speed_mps: float = 0.0
 
     @property
     def total(self) -> float:
@@ -107,7 +109,12 @@ def grow(
     sleeve = against_right[:, None] + against_left[None, :]
     kept = np.array([h.evidence for h in hypotheses]) * _kept_share(seen.odds, dt_s, p)
     base = np.array([h.cost for h in hypotheses])[:, None, None] + joint[None]
-    base = base + each[:, 0, :, None] + each[:, 1, None, :]
+    # Hidden hands have no place: motion says nothing of them.
+    both = each[:, 0, :, None] + each[:, 1, None, :]
+    speeds, totals = [h.speed_mps for h in hypotheses], [h.total for h in hypotheses]
+    share = share_of_motion(speeds, totals, dt_s, p.motion)
+    both[:, :n, :n] = tempered(each[:, :, :n], seen.pairs.points_m, seen.face_m[0], share)
+    base = base + both
     half = ((seen.pairs.part == HALF) | (seen.pairs.part == OTHER_HALF)).any(axis=1).tolist()
     half += [False] * (k + 1)
     total = base + kept[:, None, None] + sleeve[None]
@@ -136,7 +143,9 @@ def grow(
         evidence = float(kept[k] + sleeve[right, left])
         cost = float(base[k, right, left])
         halves = half[right], half[left]
-        grown.append(Hypothesis(cost, evidence, means, covariances, unseen, k, halves))
+        of, before = hypotheses[k], hypotheses[k].speed_mps
+        speed = speed_after(before, of.means, means, unseen == 0, dt_s, p.motion.speed_memory_s)
+        grown.append(Hypothesis(cost, evidence, means, covariances, unseen, k, halves, speed))
         if len(grown) == p.hypotheses:
             break
     least_cost, least_evidence = min(h.cost for h in grown), min(h.evidence for h in grown)

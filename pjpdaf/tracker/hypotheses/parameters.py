@@ -61,6 +61,14 @@ class MotionParameters:
     # The same of the head.
     head_weights: tuple[float, float] = (0.8, 0.2)
     head_deviations_m: tuple[float, float] = (0.012, 0.1)
+    # Movement from frame to frame at which motion counts half for the names of two places [m]; 0 =
+    # motion counts in full, however fast the hands are.
+    naming_step_m: NotNegative = 0.08
+    # Time over which the speed is a mean [s].
+    speed_memory_s: AboveZero = 0.3
+
+    def __post_init__(self) -> None:
+        check_bounds(OWNER, self)
 
 
 @dataclass(frozen=True)
