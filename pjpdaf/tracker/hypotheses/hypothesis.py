@@ -112,7 +112,7 @@ def grow(
     # Hidden hands have no place: motion says nothing of them.
     both = each[:, 0, :, None] + each[:, 1, None, :]
     speeds, totals = [h.speed_mps for h in hypotheses], [h.total for h in hypotheses]
-    share = share_of_motion(speeds, totals, dt_s, p.motion)
+    share = share_of_motion(speeds, totals, _told(seen.odds, p), dt_s, p.motion)
     both[:, :n, :n] = tempered(each[:, :, :n], seen.pairs.points_m, seen.face_m[0], share)
     base = base + both
     half = ((seen.pairs.part == HALF) | (seen.pairs.part == OTHER_HALF)).any(axis=1).tolist()
@@ -162,11 +162,16 @@ def _kept_share(odds: Floats, dt_s: float, p: HypothesisParameters) -> float:
     It fades as far as this frame brings evidence of its own, which repeats it; a frame without any
     leaves what was known.
     """
-    s = p.sleeve
-    if not len(odds) or s.sleeve_clip <= 0:
-        return 1.0
-    fade = float(np.exp(-dt_s / s.memory_s)) if s.memory_s > 0 else 0.0
-    return 1.0 - (1.0 - fade) * min(float(np.abs(odds).max()) / s.sleeve_clip, 1.0)
+    memory_s = p.sleeve.memory_s
+    fade = float(np.exp(-dt_s / memory_s)) if memory_s > 0 else 0.0
+    return 1.0 - (1.0 - fade) * _told(odds, p)
+
+
+def _told(odds: Floats, p: HypothesisParameters) -> float:
+    """How much evidence of right and left a frame brings, 1: the most that there can be."""
+    if not len(odds) or p.sleeve.sleeve_clip <= 0:
+        return 0.0
+    return min(float(np.abs(odds).max()) / p.sleeve.sleeve_clip, 1.0)
 
 
 def _alone(

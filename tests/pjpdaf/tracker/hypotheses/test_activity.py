@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from pjpdaf.tracker.hypotheses.activity import UNTEMPERED, share_of_motion, speed_after, tempered
+from pjpdaf.tracker.hypotheses.activity import share_of_motion, speed_after, tempered
 from pjpdaf.tracker.hypotheses.hypothesis import Hypothesis, Sightings, grow
 from pjpdaf.tracker.hypotheses.pairs import Pairs
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters, MotionParameters
@@ -21,16 +21,17 @@ SEEN = np.array([True, True])
 
 
 def test_motion_counts_half_at_the_step_and_in_full_at_rest():
-    assert share_of_motion([0.0], [0.0], FRAME_S, M) == 1.0
-    assert share_of_motion([0.08 / FRAME_S], [0.0], FRAME_S, M) == pytest.approx(0.5)
+    assert share_of_motion([0.0], [0.0], 1.0, FRAME_S, M) == 1.0
+    assert share_of_motion([0.08 / FRAME_S], [0.0], 1.0, FRAME_S, M) == pytest.approx(0.5)
     off = dataclasses.replace(M, naming_step_m=0.0)
-    assert share_of_motion([2.0], [0.0], FRAME_S, off) == 1.0
+    assert share_of_motion([2.0], [0.0], 1.0, FRAME_S, off) == 1.0
+    assert share_of_motion([2.0], [0.0], 0.0, FRAME_S, M) == 1.0  # no sleeves
 
 
 def test_all_hypotheses_share_the_speed_of_the_likely_ones():
-    alone = share_of_motion([0.6], [0.0], FRAME_S, M)
-    assert share_of_motion([0.6, 5.0], [0.0, 40.0], FRAME_S, M) == pytest.approx(alone)
-    assert share_of_motion([0.0, 0.6], [0.0, 0.0], FRAME_S, M) < 1.0
+    alone = share_of_motion([0.6], [0.0], 1.0, FRAME_S, M)
+    assert share_of_motion([0.6, 5.0], [0.0, 40.0], 1.0, FRAME_S, M) == pytest.approx(alone)
+    assert share_of_motion([0.0, 0.6], [0.0, 0.0], 1.0, FRAME_S, M) < 1.0
 
 
 @pytest.mark.parametrize("rate", [3, 10, 30])
@@ -55,11 +56,7 @@ def test_only_what_a_naming_costs_beyond_the_other_is_tempered():
     plain = each[:, 0, :, None] + each[:, 1, None, :]
     costs = tempered(each, points, FACE, 0.25)
     other = plain.swapaxes(1, 2)
-    beyond = np.abs(plain - other)
-    rest = np.minimum(beyond, UNTEMPERED)
-    np.testing.assert_allclose(
-        np.abs(costs - costs.swapaxes(1, 2)), rest + 0.25 * (beyond - rest), atol=1e-12
-    )
+    np.testing.assert_allclose(costs - costs.swapaxes(1, 2), 0.25 * (plain - other), atol=1e-12)
     np.testing.assert_allclose(np.minimum(costs, costs.swapaxes(1, 2)), np.minimum(plain, other))
     np.testing.assert_array_equal(tempered(each, points, FACE, 1.0), plain)
     # At the head motion counts in full.
