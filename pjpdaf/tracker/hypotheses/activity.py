@@ -50,8 +50,9 @@ def share_of_motion(
     `naming_step_m` in dt_s.
 
     told: how much of the evidence of sleeves that there can be this frame brings; where nothing but
-    motion names the hands, it counts in full. speeds_mps, costs: of all hypotheses. They share one speed: if each had its own, the one that
-    took hands for moving would be blamed for it once they rest.
+    motion names the hands, it counts in full. speeds_mps, costs: of all hypotheses. They share one
+    speed: if each had its own, the one that took hands for moving would be blamed for it once they
+    rest.
     """
     if m.naming_step_m <= 0:
         return 1.0

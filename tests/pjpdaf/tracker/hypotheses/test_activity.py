@@ -87,8 +87,8 @@ def named(speed_mps: float, odds: float, p: HypothesisParameters = P) -> bool:
 
 
 def test_sleeves_name_hands_that_roll_and_motion_those_that_rest():
-    assert named(0.6, 2.0)
-    assert not named(0.0, 2.0)
-    assert not named(0.6, -2.0)
+    assert named(0.6, 3.0)
+    assert not named(0.0, 3.0)
+    assert not named(0.6, -3.0)
     off = dataclasses.replace(P, motion=dataclasses.replace(P.motion, naming_step_m=0.0))
-    assert not named(0.6, 2.0, off)
+    assert not named(0.6, 3.0, off)
