@@ -1,17 +1,52 @@
-"""The help of a group of verbs: a whole sentence for each verb, as wide as the terminal."""
+"""The help of the verbs: whole sentences, as wide as the terminal."""
 
 from __future__ import annotations
 
+import shutil
 from typing import Any
 
+from typer import Context
 from typer.core import TyperGroup
 
 MOST_COLUMNS = 120  # longer lines are hard to read
+NARROW_COLUMNS = 52  # Typer's formatter takes no terminal to be narrower
+INDENT_COLUMNS = 6  # of a sentence that stands below its name
 CONTEXT = {"max_content_width": MOST_COLUMNS}
+
+
+# The class has no public name.
+class NarrowFormatter(Context.formatter_class):  # type: ignore[misc, valid-type]
+    """A formatter that fits any terminal; on a narrow one a sentence stands below its name."""
+
+    def __init__(self, **settings: Any) -> None:
+        columns = shutil.get_terminal_size().columns
+        self.narrow = columns < NARROW_COLUMNS
+        super().__init__(**settings | ({"width": columns - 1} if self.narrow else {}))
+
+    def write_dl(self, rows: Any, col_max: int = 30, col_spacing: int = 2) -> None:
+        """Write a list of names, each with its sentence."""
+        if self.narrow:
+            col_max = INDENT_COLUMNS - col_spacing - self.current_indent
+        super().write_dl(rows, col_max, col_spacing)
+
+
+class HelpContext(Context):
+    """The context of a verb whose help fits the terminal."""
+
+    formatter_class = NarrowFormatter
 
 
 class SentenceGroup(TyperGroup):
     """A group whose list of verbs has their first sentences, however many lines these take."""
+
+    context_class = HelpContext
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """The verb of this name, with help that fits the terminal."""
+        verb = super().get_command(ctx, cmd_name)
+        if verb is not None:
+            verb.context_class = HelpContext
+        return verb
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the list."""

@@ -114,7 +114,7 @@ def test_an_unforeseen_fault_is_one_line_and_no_verdict(monkeypatch, tmp_path):
 VERBS = ((), ("run",), ("stress",), ("stress", "all", "map"), ("dataset",), ("dataset", "make"))
 
 
-@pytest.mark.parametrize("columns", [60, 80, 120])
+@pytest.mark.parametrize("columns", [30, 45, 60, 80, 120])
 @pytest.mark.parametrize("words", VERBS)
 def test_help_is_whole_at_any_width(words, columns, monkeypatch):
     monkeypatch.setenv("COLUMNS", str(columns))
