@@ -44,6 +44,7 @@ DETECTOR = tuple(
         ("light", "balance_light"),
         ("clothes", "split_clothes"),
         ("the face where the head is expected", "expect_face"),
+        ("places that were uncovered", "drop_ghosts"),
         ("rotation of the cameras", "align_views"),
     )
 )
@@ -68,6 +69,7 @@ TRACKER = (
     Part("strips are no bare arms", {"arm_thickness_m": "0"}, ENDS),
     Part("a hand missing beside the head", {"missing_hand": "false"}, BESIDE),
     Part("pieces of a bare arm at the start", {"arm_pieces": "false"}),
+    Part("blobs that no arm joins to the person", {"apart": "0"}),
     Part("middle of the palm", {"palm": "0"}),
     Part("sleeves", SLEEVES),
     Part("fingers", {"finger_weight": "0"}, SLEEVES),

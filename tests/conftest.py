@@ -4,6 +4,7 @@ import compileall
 import gc
 import os
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -30,6 +31,18 @@ if "PYTEST_XDIST_WORKER" in os.environ:
         ("MKL_NUM_THREADS", "1"),
     ):
         os.environ.setdefault(name, value)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Of a test marked `sample(n)`, the cases after the first n are long ones."""
+    seen = Counter()
+    for item in items:
+        for mark in item.iter_markers("sample"):
+            test = item.nodeid.partition("[")[0]
+            seen[test] += 1
+            if seen[test] > mark.args[0]:
+                item.add_marker(pytest.mark.long)
 
 
 def pytest_collection_finish():

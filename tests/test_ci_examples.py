@@ -150,6 +150,7 @@ def test_the_action_plays_a_tracker_of_ones_own_and_passes_it(folder):
     assert "✅ identical" in summary
 
 
+@pytest.mark.long
 def test_the_action_fails_on_a_faulty_margin_and_keeps_the_exit_code(folder):
     (folder / "margins.yaml").write_text("margins: {eror_mm: 1}\n")
     done, output, _ = compared(folder, "base", "runs/mine", "margins.yaml")
@@ -158,9 +159,8 @@ def test_the_action_fails_on_a_faulty_margin_and_keeps_the_exit_code(folder):
     assert output == ""
 
 
-@pytest.mark.parametrize(
-    ("allow", "code"), [("true", 0), pytest.param("false", 3, marks=pytest.mark.long)]
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("allow", "code"), [("true", 0), ("false", 3)])
 def test_inconclusive_is_a_warning_of_the_action_unless_it_shall_fail(folder, allow, code):
     if not (folder / "runs/other").exists():
         played(folder, "default", "runs/other")

@@ -39,10 +39,11 @@ def played(preset, cache):
         return rows_of(play_complete(job))
 
 
-@pytest.mark.parametrize("preset", ["thesis", "default"])
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("preset", ["default", "thesis"])
 def test_cross_seed_0_as_accepted(preset, tmp_path_factory):
     golden = GOLDEN / f"cross_0_{preset}.csv"
-    row = played(preset, shared(tmp_path_factory, "golden", lambda cache: played("thesis", cache)))
+    row = played(preset, shared(tmp_path_factory, "golden", lambda cache: played("default", cache)))
     assert row.replayed
     found = pd.DataFrame({name: row.frames[name] for name in COLUMNS})
     if os.environ.get("PJPDAF_GOLDEN") == "write":

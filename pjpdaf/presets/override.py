@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping
 from typing import Any, get_args, get_origin
 
 from pjpdaf.checks import BadParameter
-from pjpdaf.errors import did_you_mean
+from pjpdaf.errors import closest, did_you_mean
 from pjpdaf.presets.flat import VARIANTS, Parameters, flat_names, leaves, replaced
 from pjpdaf.presets.record import Preset
 
@@ -50,9 +50,8 @@ def override(
         if home is None:
             homes = homes or list(changes)
             known = [field for h in homes for field in names[h]]
-            owners = [other.name for other in others if _has(other, homes, name)]
-            hint = f" It is of the preset {' and '.join(owners)}." if owners else ""
-            raise BadParameter(f"No parameter {key!r}.{hint or did_you_mean(name, known)}")
+            hint = _of_another(name, homes, others, known) or did_you_mean(name, known)
+            raise BadParameter(f"No parameter {key!r}.{hint}")
         changes[home][name] = value
     return dataclasses.replace(
         preset,
@@ -61,8 +60,23 @@ def override(
     )
 
 
-def _has(preset: Preset, homes: Collection[str], name: str) -> bool:
-    return any(name in flat_names(type(getattr(preset, home))) for home in homes)
+def _of_another(
+    name: str, homes: Collection[str], others: Collection[Preset], known: Collection[str]
+) -> str:
+    """Which of other presets have the parameter, or, where none of the known is near, a near one.
+
+    Empty where none has.
+    """
+    names = {
+        one.name: [n for home in homes for n in flat_names(type(getattr(one, home)))]
+        for one in others
+    }
+    near = closest(name, {n for one in names.values() for n in one})
+    if not near or (near[0] != name and closest(name, known)):
+        return ""
+    owners = sorted(one for one in names if near[0] in names[one])
+    meant = "" if near[0] == name else f" Did you mean {near[0]!r}?"
+    return f"{meant} It is of the preset{'s' if len(owners) > 1 else ''} {' and '.join(owners)}."
 
 
 _TRUE, _FALSE = ("true", "yes", "on", "1"), ("false", "no", "off", "0")

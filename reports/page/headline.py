@@ -46,7 +46,7 @@ def headline(report: RunReport, entries: Sequence[RunEntry]) -> Headline:
         summary=_summary(len(wrong), len(entries), overall.failed),
         played=_played(report),
         quality="" if outcome == "none" else _quality(report),
-        failed="" if outcome == "none" else _failed(report),
+        failed="" if outcome == "none" else _failed(report, wrong),
         worst=next(iter(worst_entries(entries)), None),
     )
 
@@ -83,18 +83,25 @@ def _quality(report: RunReport) -> str:
     )
 
 
-def _failed(report: RunReport) -> str:
+def _failed(report: RunReport, wrong: Sequence[RunEntry]) -> str:
+    """What went wrong, and in how many episodes. wrong: those that did."""
     overall = report.summary.overall
-    kinds = (("Hands swapped", overall.swapped or 0), ("a target lost", overall.lost))
-    if not any(n for _, n in kinds):
-        return "No hands swapped, no target lost."
-    return (
-        "; ".join(
+    far = sum(not entry.flags for entry in wrong)
+    others = (
+        ("a target captured by another", overall.captured),
+        ("under 95 % of the estimates within 100 mm", far),
+    )
+    kinds = (("hands swapped", overall.swapped or 0), ("a target lost", overall.lost))
+    if any(n for _, n in kinds):
+        parts = [
             f"{words} in {n} of {overall.episodes}" if n else f"{words} in none"
             for words, n in kinds
-        )
-        + "."
-    )
+        ]
+    else:
+        parts = ["no hands swapped, no target lost"]
+    parts += [f"{words} in {n} of {overall.episodes}" for words, n in others if n]
+    text = "; ".join(parts)
+    return f"{text[0].upper()}{text[1:]}."
 
 
 def _listed(names: Sequence[str]) -> str:

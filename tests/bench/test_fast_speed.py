@@ -40,6 +40,7 @@ def cpu_s(call) -> float:
     return process_time() - begun
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("preset", ["thesis", "default"])
 def test_fast_episodes(benchmark, preset):
     # Without --benchmark-enable it only has to work: one family, fewer repeats.

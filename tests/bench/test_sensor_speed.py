@@ -67,6 +67,7 @@ def test_the_mean_of_five_pictures(benchmark, picture):
     benchmark(mean_light, [picture] * 5)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.benchmark(group="stereo frame with truth")
 @pytest.mark.parametrize("effect", OF_A_FRAME)
 def test_a_frame(benchmark, effect):

@@ -12,6 +12,7 @@ from worker_tasks import double
 from scenarios.execute.local import PLAYED_WITH, local_executor
 
 
+@pytest.mark.long
 @pytest.mark.benchmark(group="start of a worker")
 def test_clean_process_with_its_modules(benchmark):
     words = [sys.executable, "-c", f"import {', '.join(PLAYED_WITH)}"]

@@ -84,6 +84,7 @@ def test_bad_pairs_are_left_out_and_named(chess_pairs):
     assert np.linalg.norm(report.rig.T - example_rig().T) < 0.005
 
 
+@pytest.mark.long
 def test_boards_numbered_from_the_other_end_are_turned_back(chess_pairs, monkeypatch):
     upside_down = {id(chess_pairs[i].pictures[1]) for i in (1, 4, 5, 8)}
 
@@ -103,6 +104,7 @@ def test_boards_numbered_from_the_other_end_are_turned_back(chess_pairs, monkeyp
     np.testing.assert_allclose(report.rig.T, straight.rig.T, atol=1e-3)
 
 
+@pytest.mark.long
 def test_too_few_boards_is_one_line_with_the_reasons(chess_pairs):
     with pytest.raises(BenchError) as fault:
         calibrate(chess_pairs[:3], CHESS)

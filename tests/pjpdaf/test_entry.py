@@ -30,6 +30,7 @@ def python(project, *words, path):
     )
 
 
+@pytest.mark.long
 def test_the_command_finds_its_own_packages(project):
     done = python(project, "-m", "pjpdaf.entry", "scenarios", "list", path=(project, ROOT))
     assert done.returncode == 0, done.stderr

@@ -81,6 +81,7 @@ class Witness:
         return tuple(with_evidence(view, self.columns) for view in self.inner(frame, predicted))
 
 
+@pytest.mark.long
 def test_a_detector_that_gives_evidence_conforms():
     assert check_detector(lambda cameras: Witness(make_detector("thesis", cameras), 3)) == ()
     (fault,) = check_detector(lambda cameras: Witness(make_detector("thesis", cameras), 2))

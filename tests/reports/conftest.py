@@ -184,7 +184,10 @@ def browser() -> Iterator[Any]:
 
 @pytest.fixture
 def opened(browser: Any) -> Callable[..., Any]:
-    """A page in the browser, whose complaints and requests to a network fail the test."""
+    """A page in the browser, whose complaints and requests to a network fail the test.
+
+    Its reader prefers reduced motion, so that nothing moves or scrolls on while a test acts.
+    """
 
     @contextmanager
     def opened(
@@ -195,7 +198,7 @@ def opened(browser: Any) -> Callable[..., Any]:
     ) -> Iterator[Any]:
         complaints: list[str] = []
         requests: list[str] = []
-        view = browser.new_page(**settings)
+        view = browser.new_page(**{"reduced_motion": "reduce"} | settings)
         view.set_default_timeout(120_000)  # a busy machine is no fault of the page
         view.on("console", lambda m: complaints.append(m.text) if m.type == "error" else None)
         view.on("pageerror", lambda e: complaints.append(str(e)))

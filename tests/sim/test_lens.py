@@ -82,6 +82,7 @@ def offsets(lens, radius_px=12.0):
     return np.array(of_colour), np.array(of_ids)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", LENSES)
 def test_markers_are_where_opencv_projects_them(name):
     of_colour, of_ids = offsets(LENSES[name])

@@ -172,6 +172,7 @@ def spread_along_rows(weight):
     return mean, (weight * (x - mean) ** 2).sum() / weight.sum()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("exposure_s", [0.02, 0.04])
 def test_a_moving_hand_is_blurred_over_its_path(quiet, exposure_s):
     """A path of L = v e f / Z adds L^2 / 12 to the variance of the hand's light along it."""
@@ -239,6 +240,7 @@ def test_a_camera_balanced_for_the_lamp_shows_the_room_as_by_daylight(quiet):
     assert np.abs(balanced - plain).mean() < 1.0
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("skew_s", [0.02, 0.05])
 def test_shutter_skew_moves_the_right_view_by_speed_times_delay(quiet, skew_s):
     with Simulation(filmed(sensor=SensorSpec(skew_s=skew_s, noise_sd=0.0))) as simulation:
@@ -294,6 +296,7 @@ def test_lost_pictures_are_none_and_the_truth_stays():
     assert all(p is not None for frame in background for p in frame.pictures)
 
 
+@pytest.mark.long
 def test_all_effects_together_give_the_same_frames_in_any_order():
     everything = SensorSpec(
         exposure_time_s=0.01,

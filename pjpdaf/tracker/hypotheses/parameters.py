@@ -140,6 +140,8 @@ class CostParameters:
     forward_m: float = 0.04
     # A piece of face or neck.
     piece: NotNegative = 6.0
+    # A blob that no arm joins to the person; 0 = nothing is asked of the silhouette.
+    apart: NotNegative = 6.0
 
     def __post_init__(self) -> None:
         check_bounds(OWNER, self)

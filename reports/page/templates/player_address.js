@@ -11,7 +11,10 @@ let touched = false, writing = 0;
 for (const kind of ["click", "input", "pointerdown"]) section.addEventListener(kind, () => { touched = true; }, true);
 function remember() {
   clearTimeout(writing);
-  if (touched && !now.timer) writing = setTimeout(() => history.replaceState(null, "", address()), 250);
+  if (!touched || now.timer) return;
+  // Not over an address that the reader went to since, by the back button, and that is yet to be followed.
+  const from = location.hash;
+  writing = setTimeout(() => { if (location.hash === from) history.replaceState(null, "", address()); }, 250);
 }
 
 function follow(scroll) {

@@ -81,6 +81,7 @@ def random_scene(rng: np.random.Generator) -> tuple[Ellipse, ...]:
     )
 
 
+@pytest.mark.long
 def test_one_pixel_in_16_gives_the_same_answer():
     rng = np.random.default_rng(11)
     same = 0

@@ -60,8 +60,9 @@ def test_detectors_by_name() -> None:
         (
             "default",
             {"tracker.p_detect": 0.8},
-            "No parameter 'tracker.p_detect'. It is of the preset thesis-literal and thesis.",
+            "No parameter 'tracker.p_detect'. It is of the presets thesis and thesis-literal.",
         ),
+        ("default", {"gatee": 9}, "Did you mean 'gate'? It is of the presets thesis and"),
         ("thesis", {"mean_within": 2}, "No parameter 'mean_within'. It is of the preset default."),
     ],
 )

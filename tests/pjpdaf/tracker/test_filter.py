@@ -93,6 +93,7 @@ def test_a_missing_picture_is_no_miss() -> None:
     assert after.unseen_s[0] > state.unseen_s[0]
 
 
+@pytest.mark.long
 def test_normalised_error_is_chi_square_over_200_runs() -> None:
     """NEES: with the model's own noise the covariance means what it says.
 

@@ -61,5 +61,5 @@ def test_it_is_for_every_reader(record_of, info, opened, tmp_path):
     statuses = [WAITING, *[TRACKED] * 6, *[LOST] * 3]
     page = track_page(record_of(statuses, missing=(3,), jpeg=lambda _: grey), info())
     path = write_text(tmp_path / "report.html", page)
-    with opened(path, "#tracks .chart", reduced_motion="reduce") as view:
+    with opened(path, "#tracks .chart") as view:
         assert faults(view) == []

@@ -219,6 +219,7 @@ def test_a_group_that_got_worse_shows_also_where_the_whole_passes(runs):
     assert ("baseline", "error_mm") not in beyond
 
 
+@pytest.mark.long
 def test_no_false_alarm_when_the_two_runs_only_differ_by_chance(runs):
     """Base and new drawn from the same two runs by a coin per episode: no-op comparisons."""
     values = {name: episode_values(runs[name]) for name in ("base", "half", "swaps")}

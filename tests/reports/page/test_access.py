@@ -42,8 +42,8 @@ def report(runs, tmp_path_factory):
 
 
 def test_on_a_desk(report, opened):
-    settings = {"viewport": {"width": 1440, "height": 900}, "reduced_motion": "reduce"}
-    with opened(report, DRAWN, **settings) as view:
+    desk = {"width": 1440, "height": 900}
+    with opened(report, DRAWN, viewport=desk) as view:
         # Five columns, the others on demand; all of them fit.
         row = view.locator("#by-scenario tbody tr").first
         assert row.locator("td:visible").count() == 4
@@ -73,7 +73,7 @@ def test_on_a_desk(report, opened):
         assert view.evaluate("window.shut") == 0
         assert view.evaluate(f"{closed}.length") == before
         assert unprinted(view) == []
-        view.set_viewport_size(settings["viewport"])
+        view.set_viewport_size(desk)
         view.emulate_media(media="screen", reduced_motion="reduce")
         assert violations(view) == []
         assert widest(view, "html, .scroll") <= 0
@@ -81,7 +81,7 @@ def test_on_a_desk(report, opened):
 
 def test_on_a_phone_in_the_dark(report, opened):
     settings = {"viewport": {"width": 390, "height": 844}, "color_scheme": "dark"}
-    with opened(report, DRAWN, **settings, reduced_motion="reduce") as view:
+    with opened(report, DRAWN, **settings) as view:
         # A card for each row; the roles of a table stay, whatever the style makes of it.
         cells = view.locator("#by-scenario tbody tr").first.locator("td:visible")
         label = "c => getComputedStyle(c, '::before').content"

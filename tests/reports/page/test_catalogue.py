@@ -151,5 +151,5 @@ def test_a_browser_shows_it_without_network(page, opened, tmp_path, scheme):
 
 def test_it_is_for_every_reader(page, opened, tmp_path):
     path = write_text(tmp_path / "catalogue.html", page)
-    with opened(path, "#suites", reduced_motion="reduce") as view:
+    with opened(path, "#suites") as view:
         assert faults(view) == []

@@ -47,6 +47,23 @@ def test_nothing_bad_is_said_too(episode_of, tools, tmp_path):
     assert line.failed == "No hands swapped, no target lost."
 
 
+def test_what_went_wrong_is_named_where_nothing_was_swapped_or_lost(episode_of, tools, tmp_path):
+    centres = tools.paths(24, 3.0)
+    far = centres.copy()
+    far[::6, 0, 2] += 0.12  # now and then, so that the head is not lost
+    line = said(
+        tmp_path,
+        [
+            episode_of(far, centres_m=centres),
+            episode_of(tools.noisy(centres, 0), centres_m=centres, seed=1),
+        ],
+    )
+    assert line.summary == "1 of 2 episodes went wrong"
+    assert line.failed == (
+        "No hands swapped, no target lost; under 95 % of the estimates within 100 mm in 1 of 2."
+    )
+
+
 def test_without_a_result(tmp_path):
     assert said(tmp_path, []).summary == "No episode"
     line = said(tmp_path, [EpisodeFailure("cross", 1, "killed")], "none")

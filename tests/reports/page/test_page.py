@@ -294,8 +294,8 @@ def test_the_slider_moves_everything(report, opened):
         # A jump to the swap; a click into the curves; buttons.
         view.get_by_role("button", name="hands swapped, 8–23").click()
         at_frame(view, 8)
-        box = view.locator("[data-part=curves]").bounding_box()
-        view.mouse.click(box["x"] + box["width"] - 13, box["y"] + 40)
+        curves = view.locator("[data-part=curves]")
+        curves.click(position={"x": curves.bounding_box()["width"] - 13, "y": 40})
         at_frame(view, 23)
         view.locator("[data-by='-1']").click()
         at_frame(view, 22)
@@ -327,15 +327,15 @@ def test_pictures_toggles_and_turning(report, opened):
                 full[0],
             )
         # The 3-D view turns by mouse and by keyboard; the other parts stay.
-        box = view.locator("[data-part=space]").bounding_box()
-        view.mouse.move(box["x"] + 200, box["y"] + 100)
+        space = view.locator("[data-part=space]")
+        space.hover(position={"x": 200, "y": 100})
         view.mouse.down()
-        view.mouse.move(box["x"] + 120, box["y"] + 130, steps=3)
+        space.hover(position={"x": 120, "y": 130})
         view.mouse.up()
         until(view, SPACE_IS_NOT, full[2])
         turned = drawings(view)
         assert turned[:2] == full[:2]
-        view.locator("[data-part=space]").focus()
+        space.focus()
         view.keyboard.press("ArrowLeft")
         until(view, SPACE_IS_NOT, turned[2])
         view.keyboard.press("0")
@@ -345,9 +345,7 @@ def test_pictures_toggles_and_turning(report, opened):
 
 
 def test_links_lead_to_the_player_and_back(report, opened):
-    with opened(
-        report, DRAWN, viewport={"width": 1000, "height": 800}, reduced_motion="reduce"
-    ) as view:
+    with opened(report, DRAWN, viewport={"width": 1000, "height": 800}) as view:
         card = view.locator("#failures a").nth(1)
         card.focus()
         view.keyboard.press("Enter")

@@ -154,14 +154,15 @@ def test_a_frame_without_a_picture_is_drawn_as_a_scheme(report, opened):
 
 
 def test_the_film_loops_pauses_and_rests_where_motion_is_unwanted(report, opened):
-    with opened(report, READY, viewport={"width": 1300, "height": 900}) as view:
+    settings = {"viewport": {"width": 1300, "height": 900}, "reduced_motion": "no-preference"}
+    with opened(report, READY, **settings) as view:
         film = view.locator("[data-film]")
         first = film.get_attribute("data-frame")
         until(view, "old => document.querySelector('[data-film]').dataset.frame !== old", first)
         film.get_by_role("button").click()
         assert film.get_attribute("data-playing") == "no"
         assert film.get_by_role("button").inner_text() == "Play"
-    with opened(report, READY, reduced_motion="reduce") as view:
+    with opened(report, READY) as view:
         film = view.locator("[data-film]")
         assert film.get_attribute("data-playing") == "no"
         assert film.get_attribute("data-film") == f"0-1-0@{film.get_attribute('data-frame')}"

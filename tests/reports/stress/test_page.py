@@ -103,5 +103,5 @@ def test_several_folders_go_on_one_page(stress_folder, tmp_path) -> None:
 
 
 def test_it_is_for_every_reader(page, opened) -> None:
-    with opened(page, "html[data-thumbs=yes]", reduced_motion="reduce") as view:
+    with opened(page, "html[data-thumbs=yes]") as view:
         assert faults(view) == []

@@ -52,6 +52,7 @@ def test_a_film_has_every_frame_with_its_truth(tmp_path):
     assert "exists; give another name" in again.stderr
 
 
+@pytest.mark.long
 def test_a_sheet_has_frames_of_the_whole_and_takes_settings(tmp_path):
     sheet = tmp_path / "sheet.PNG"
     words = ("scenarios", "show", "drink", "--set", "frames=6", "--seed", 100, "--film", sheet)

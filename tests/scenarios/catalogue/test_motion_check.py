@@ -31,6 +31,7 @@ def test_a_good_motion_and_the_example_conform(plugged):
     assert check_motion("own_motion:knock", 30.0) == ()
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("name", "fault"),
     [

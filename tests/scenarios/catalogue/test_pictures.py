@@ -18,6 +18,7 @@ def test_captions_say_what_is_merged_and_what_is_not_seen():
     assert pictures.caption(truth(0, visible=0)) == "frame 0 (0.0 s), R unseen in both views"
 
 
+@pytest.mark.long
 def test_pictures_of_scenarios_are_drawn_in_worker_processes_once(tmp_path):
     frames = {"cross": 18, "bounce": 18}  # until they are merged
     scenarios = [load_scenario(n).model_copy(update={"frames": f}) for n, f in frames.items()]

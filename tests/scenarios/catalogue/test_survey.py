@@ -43,6 +43,7 @@ CASES = [
 ]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("name", "seed"), CASES)
 def test_a_person_could_do_every_scenario(name, seed):
     found = surveyed_once_a_second(name, seed)
@@ -66,6 +67,7 @@ def test_what_was_drawn_again_is_counted():
     assert found.redrawn_share == sum(redrawn) / (sum(redrawn) + 2)
 
 
+@pytest.mark.long
 def test_calm_motion_is_slower_than_natural_motion():
     calm, natural = surveyed("calm_table").hands, surveyed("natural_table").hands
     assert calm.top_mps < 0.3 < natural.top_mps

@@ -23,6 +23,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path / "cache"
 
 
+@pytest.mark.long
 def test_a_run_plays_what_is_kept_and_says_so(tmp_path, folder):
     short = ("frames=2", "background_frames=2", "detector.background_learn_min=2")
     request = PlanRequest(("calm_table",), seeds=1, settings=short)

@@ -20,11 +20,13 @@ def to_nobody(*words):
         return process.stderr.read().strip(), process.wait(60)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("words", [("list",), ("show", "cross")])
 def test_a_reader_that_goes_away_is_no_fault(words):
     assert to_nobody("scenarios", *words) == ("", 0)
 
 
+@pytest.mark.long
 def test_a_run_is_saved_though_nobody_reads_its_table(tmp_path):
     out = tmp_path / "run"
     short = ("frames=1", "background_frames=2", "detector.background_learn_min=2")

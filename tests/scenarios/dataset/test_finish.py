@@ -34,6 +34,7 @@ def test_more_formats_are_summed_and_the_rest_stays(copy):
     assert "hdf5/" in (copy / "README.md").read_text()
 
 
+@pytest.mark.long
 def test_a_signal_leaves_older_formats_and_no_halves(copy):
     export_dataset(copy, ("mot",), jobs=1)
     older = contents(copy / "mot")
@@ -50,6 +51,7 @@ def test_a_signal_leaves_older_formats_and_no_halves(copy):
     assert contents(copy / "mot") == older
 
 
+@pytest.mark.long
 @needs_small_disk
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_full_disk_is_one_line_and_the_data_set_stays(made, jobs):

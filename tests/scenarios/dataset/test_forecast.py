@@ -52,6 +52,7 @@ def recipes_of(frames):
     return plan_recipes(wanted)
 
 
+@pytest.mark.long
 def test_frames_of_a_few_sequences_are_made_on_trial(executor):
     recipes = recipes_of(100)[:2]
     trials = try_sequences(executor, dict(enumerate(recipes)))

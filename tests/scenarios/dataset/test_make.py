@@ -146,6 +146,7 @@ def stopped_in_the_middle(folder, sequences):
         process.communicate()
 
 
+@pytest.mark.long
 def test_interrupted_it_keeps_what_is_finished_and_a_second_maker_is_refused(
     made, tmp_path, executor
 ):
@@ -217,6 +218,7 @@ def test_a_folder_that_cannot_be_written_is_one_line(tmp_path):
         make(request(tmp_path / "set"))
 
 
+@pytest.mark.long
 @needs_small_disk
 def test_a_full_disk_is_one_line_and_what_is_finished_stays(made):
     words = " ".join(command("/mnt/set", 1))
@@ -288,6 +290,7 @@ def test_a_data_set_of_another_renderer_is_not_gone_on_with(made, tmp_path, exec
     assert not (out / "seq_000001").exists()
 
 
+@pytest.mark.long
 def test_varied_sequences_share_no_room_body_or_rig(tmp_path, executor):
     out = tmp_path / "set"
     settings = ("frames=2", "background_frames=1")

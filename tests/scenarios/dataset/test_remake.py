@@ -11,6 +11,7 @@ def made(tmp_path_factory):
     return made_dataset(tmp_path_factory)
 
 
+@pytest.mark.long
 def test_a_recipe_makes_a_sequence_and_a_frame_of_it_again(made, tmp_path):
     for number in (1, 2):  # of a pair of twins; with a clip, which lies beside it
         folder = made / f"seq_{number:06d}"

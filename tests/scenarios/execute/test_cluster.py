@@ -65,6 +65,7 @@ def test_a_task_of_other_software_is_refused():
     assert OUR_CODE not in str(fault.value)
 
 
+@pytest.mark.long
 def test_processes_of_equal_software_start_with_the_module_of_their_task(monkeypatch):
     monkeypatch.setattr(cluster_worker, "_equal", set())
     sender = pickle.dumps(Sender(tuple(software(PlugIns()).items()), PlugIns()))

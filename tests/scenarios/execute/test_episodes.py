@@ -81,6 +81,7 @@ class Two(NearestBlob):
 """
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("factory", "reason"),
     [

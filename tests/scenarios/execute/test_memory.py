@@ -28,6 +28,7 @@ def episodes(count, seeds, size, **overrides):
     return {n: Job(cross, 100 + n % seeds, overrides, System(), size_px=size) for n in range(count)}
 
 
+@pytest.mark.long
 def test_of_rendered_episodes():
     used = memory(episodes(4, 1, (160, 120), frames=2, background_frames=10))
     assert used[3][0] < used[1][0] + GROWTH_MB

@@ -148,6 +148,7 @@ def chess(tmp_path_factory):
     return folder
 
 
+@pytest.mark.long
 def test_the_command_recovers_the_cameras_and_names_bad_pairs(chess, tmp_path):
     out = tmp_path / "cal"
     done = bench(*sides(chess), "--board", "9x6", "--square", "0.025", "--out", out)

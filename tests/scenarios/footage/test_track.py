@@ -263,6 +263,7 @@ def test_videos_settings_rate_unit_and_skin_sample(footage, tmp_path):
     assert {"tracker.p_detect", "detector.hue_range_deg"} <= set(changed)
 
 
+@pytest.mark.long
 def test_skin_learnt_from_the_head(footage, tmp_path):
     out = tmp_path / "out"
     setting = "detector.value_min=0.15"
@@ -404,9 +405,8 @@ def test_a_fault_in_mid_footage_keeps_what_was_tracked(footage, tmp_path):
     assert "Incomplete" in (tmp_path / "out" / "report.html").read_text()
 
 
-@pytest.mark.parametrize(
-    "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.long)]
-)
+@pytest.mark.long
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_keeps_what_is_tracked(footage, tmp_path, number):
     files = {name: pictures(footage, name) * 40 for name in ("left", "right")}
     sides = {name: links(tmp_path / name, paths) for name, paths in files.items()}

@@ -140,6 +140,7 @@ def test_a_cache_that_is_too_small_or_cannot_be_written_is_none(empty, monkeypat
     assert watch(JOB) == 3
 
 
+@pytest.mark.long
 def test_no_opengl_is_needed(folder, first):
     (folder / MEMO).unlink()
     code = (

@@ -147,6 +147,7 @@ run_suite(RunRequest(plan, jobs=int(jobs), out=Path(out)))
 """
 
 
+@pytest.mark.long
 def test_a_whole_run_needs_no_renderer(made, live, tmp_path):
     blocked = tmp_path / "blocked"
     blocked.mkdir()

@@ -100,6 +100,7 @@ def test_a_job_may_have_smaller_pictures(bare):
     assert digest_of(replace(JOB, size_px=None)) != digest_of(JOB)
 
 
+@pytest.mark.long
 def test_with_a_lag_the_last_frame_is_as_without_and_the_detections_all_are(bare):
     late = play(replace(JOB, system=System(lag=2)))
     assert [o.truth.index for o in late.frames] == [o.truth.index for o in bare.frames]

@@ -85,6 +85,7 @@ def test_scenarios_of_a_suite_keep_their_own_number_of_seeds():
     assert found == [*(("cross", k) for k in range(3, 9)), ("drink", 1), ("drink", 2)]
 
 
+@pytest.mark.long
 def test_a_round_is_played_for_both_saved_and_joined(executor, runs, tmp_path):
     plans = [planned_jobs(run) for run in runs]
     done = []

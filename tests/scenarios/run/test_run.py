@@ -56,6 +56,7 @@ def job(seed=0, system=None, frames=2, size_px=(96, 72), **overrides):
     return Job(load_scenario("calm_table"), seed, values, system or System(), size_px=size_px)
 
 
+@pytest.mark.long
 def test_same_bytes_for_one_and_two_jobs_from_any_folder(tmp_path, monkeypatch):
     # In one job the worker plays the second after the first, in two jobs each has its own.
     words = ("run", "cross", "bounce", "--seeds", "1", *QUICK, "--jobs")
@@ -73,6 +74,7 @@ def test_same_bytes_for_one_and_two_jobs_from_any_folder(tmp_path, monkeypatch):
     assert (runs[0] / "report.html").stat().st_size > 100_000
 
 
+@pytest.mark.long
 def test_calm_table_is_tracked(tmp_path):
     # Half the scenario's resolution: an eighth of the time.
     played = rows_of(play_complete(job(frames=12, size_px=(320, 240))))
@@ -142,12 +144,13 @@ def assert_two_episodes_are_saved(run):
     assert len(saved.episodes) // 3 == 2
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("number", "second"),
     [
         (signal.SIGINT, signal.SIGTERM),
-        pytest.param(signal.SIGTERM, None, marks=pytest.mark.long),
-        pytest.param(signal.SIGHUP, signal.SIGINT, marks=pytest.mark.long),
+        (signal.SIGTERM, None),
+        (signal.SIGHUP, signal.SIGINT),
     ],
 )
 def test_an_interrupted_run_keeps_what_is_finished(tmp_path, footage, number, second):
@@ -246,6 +249,7 @@ def faulty(name):
     return System(tracker=f"faulty_trackers:{name}")
 
 
+@pytest.mark.long
 def test_a_faulty_plug_in_fails_its_episode_and_the_rest_is_kept(executor):
     systems = (None, faulty("Raises"), faulty("Dies"), None)
     played = play_all([job(seed=k, system=one) for k, one in enumerate(systems)], executor)

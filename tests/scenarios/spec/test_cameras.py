@@ -104,6 +104,7 @@ def test_what_does_not_fit_is_refused(setting, message):
         scene(**setting)
 
 
+@pytest.mark.long
 def test_an_episode_with_every_effect_is_tracked_to_its_end():
     changes = {
         "frames": 10,

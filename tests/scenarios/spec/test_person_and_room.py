@@ -147,6 +147,7 @@ def test_nominal_draws_vary_what_harms_nobody_and_leave_the_nuisances_out():
     assert sum(d["glasses"] == "no" for d in drawn) > len(drawn) / 2
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize(("name", "word"), CHOICES)
 def test_every_choice_builds_and_its_things_are_there(name, word):
     given = values(**{name: word})
@@ -168,6 +169,7 @@ def test_a_nuisance_leaves_the_scenarios_draws_alone():
                 np.testing.assert_array_equal(a.position_m, b.position_m)
 
 
+@pytest.mark.long
 def test_the_other_arm_never_touches_the_person():
     """Axes of the arms: two forearms' or a hand's thickness apart at least."""
     for name in ("calm_table", "lean_and_reach", "natural_table"):

@@ -67,6 +67,7 @@ def written(table, path):
     return path
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["t.csv", "t.parquet"])
 def test_perfect_tracks_have_no_error(made, truth, tmp_path, name, capsys):
     saved = scored(made, written(truth, tmp_path / name), tmp_path)
@@ -166,6 +167,7 @@ def test_the_verb_track_on_its_pictures_scores_as_the_run(made, episodes, tmp_pa
     np.testing.assert_allclose(mine["error_mm"], run["error_mm"], atol=0.1)
 
 
+@pytest.mark.long
 def test_positions_in_the_left_cameras_frame(made, truth, tmp_path):
     """And standard deviations, turned with them: NEES is the same in any frame."""
     rng = np.random.default_rng(0)
@@ -192,6 +194,7 @@ def test_the_wrong_frame_is_hinted_at(made, truth, tmp_path, capsys):
     assert "as --frame world the tracks would be much nearer" in capsys.readouterr().out
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(2))
 def test_missing_rows_are_lost_and_all_else_stays(made, truth, tmp_path, seed):
     keep = np.random.default_rng(seed).random(len(truth)) < 0.5
@@ -204,6 +207,7 @@ def test_missing_rows_are_lost_and_all_else_stays(made, truth, tmp_path, seed):
     assert int(saved.episodes["frames"].sum()) == len(truth)
 
 
+@pytest.mark.long
 def test_a_sequence_without_tracks_is_lost_and_told(made, truth, tmp_path, capsys):
     table = truth[truth["sequence"] == "seq_000001"]
     saved = scored(made, written(table, tmp_path / "t.csv"), tmp_path)
@@ -213,6 +217,7 @@ def test_a_sequence_without_tracks_is_lost_and_told(made, truth, tmp_path, capsy
     assert mine["error_mm"].isna().all()
 
 
+@pytest.mark.long
 def test_no_tracker_no_blame_no_budget(made, truth, tmp_path):
     table = truth.copy()
     hands = table["target"].map({"right_hand": "left_hand", "left_hand": "right_hand"})

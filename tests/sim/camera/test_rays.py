@@ -28,6 +28,7 @@ def filmed(request):
         yield world, renderer
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("view", [0, 1])
 def test_ids_and_depth_are_what_rays_meet(filmed, view):
     world, renderer = filmed

@@ -51,6 +51,7 @@ def rendered(renderer, name, **options):
     return renderer.render(**options)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("lens", [False, True])
 def test_the_picture_is_that_of_which_all_is_drawn(lens):
     scene, names = (LENS, ["can moved"]) if lens else (SCENE, list(POSES))
@@ -77,6 +78,7 @@ def digest(views):
     return [part.tobytes() for view in parts for part in view]
 
 
+@pytest.mark.long
 def test_a_picture_depends_on_no_picture_before_it():
     with opened(SCENE) as one, opened(SCENE) as other:
         first = digest(rendered(one, "only the person"))

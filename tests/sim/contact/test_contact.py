@@ -141,6 +141,7 @@ def drawn_vertices(world, name):
     return local @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("stature", [1.55, 1.72, 1.9])
 def test_bars_lie_in_what_is_drawn(stature):
     person = Anatomy.of(stature)
@@ -282,6 +283,7 @@ def test_crossed_arms_keep_their_sleeves_out_of_each_other(rise_m, past_m):
         assert norm(arm.palm_m - palm) < 0.08
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [100, 101, 104])
 def test_contact_changes_smoothly_while_arms_cross(seed):
     """Steps of 1/100 s: what the contact adds changes by less than a few mm."""
@@ -294,6 +296,7 @@ def test_contact_changes_smoothly_while_arms_cross(seed):
     assert np.linalg.norm(added, axis=2).max() < 0.006
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("height", [0.87, 0.89, 0.91, 0.93])
 def test_a_hand_passing_over_the_other_one_is_lifted_without_a_jump(height):
     added, room = [], Obstacles(LOW_TABLE, ALL.solids)

@@ -56,6 +56,7 @@ def same(one, other):
         assert type(one) is type(other)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("number", range(len(SEQUENCES)))
 def test_it_gives_the_records_of_the_live_simulation(dataset_made, number):
     sequence = sim.dataset.open(dataset_made).sequences[number]

@@ -89,6 +89,7 @@ def test_a_leak_between_splits_is_named_by_verify(divided):
     assert "has the body of" in faults[0].text
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "change",
     [

@@ -26,6 +26,7 @@ def test_an_undamaged_data_set_has_no_fault(trio, single):
     assert names == ["seq_000000", "seq_000001", "seq_000002"]
 
 
+@pytest.mark.long
 def test_worker_processes_find_the_same(copies):
     (copies / SEQ / "right" / "000003.png").unlink()
     with WorkerPool(2) as pool:
@@ -51,6 +52,7 @@ def test_workers_that_are_killed_are_replaced_and_the_verdict_is_complete(copies
     assert names == ["seq_000000", "seq_000001", "seq_000002"]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "change",
     [
@@ -81,6 +83,7 @@ def test_another_scale_in_the_conventions_is_named(copy):
     assert files(faults_of(copy)) == ["conventions.json"]
 
 
+@pytest.mark.long
 def test_no_damage_to_any_file_is_raised(copy):
     """Files of each kind, cut or full of noise in turn."""
     rng = np.random.default_rng(140)

@@ -12,6 +12,7 @@ from sim.vectors import norm
 SEEDS = range(200, 203)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("where", ["cheeks", "forehead", "face"])
 def test_head_and_both_hands_are_one_blob_in_both_views(where):
     for seed in SEEDS[:1]:

@@ -26,7 +26,8 @@ from sim.vectors import norm
 SEEDS = range(5)
 
 
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [0, 1])
 def test_twins_show_the_same_pictures_until_the_hands_merge(seed):
     """Up to the frame before the first that differs; by then the hands have merged."""
     cross, bounce = (performance(name, seed) for name in ("cross", "bounce"))

@@ -43,6 +43,7 @@ def test_palms_meet_at_the_declared_tempo_as_often_as_declared(seeds):
             assert gap_m(script, t) > 0.05
 
 
+@pytest.mark.long
 def test_claps_keep_below_their_top_speed_and_open_less_the_faster_they_are():
     wide = []
     for frequency in (0.5, 1.5, 3.0):

@@ -103,6 +103,7 @@ def moments(case):
     return (np.arange(0.0, end, max(0.1, end / MOST_MOMENTS)) + 0.031).tolist()
 
 
+@pytest.mark.sample(6)
 def test_a_person_can_make_the_motion_between_frames_as_well(case):
     """Nothing is in anything by more than 5 mm, no joint past its range, no target out of reach."""
     assert fault_of(PosedOnce(case), moments(case)) is None
@@ -131,6 +132,7 @@ def test_the_first_second_shows_two_still_hands_apart_on_the_table(case):
     assert (first[:, 1, 1] > 0).all()
 
 
+@pytest.mark.long
 def test_planned_paths_have_neither_jumps_nor_kinks(case):
     """30 m/s2 is three g, which a hand can do; a jump would be a speed."""
     most = 80.0 if case.name in (*FAST, "speed_ladder") else 30.0
@@ -138,6 +140,7 @@ def test_planned_paths_have_neither_jumps_nor_kinks(case):
         assert np.linalg.norm(np.diff(path, 2, axis=0), axis=1).max() < most * DT_S**2
 
 
+@pytest.mark.long
 def test_palms_move_without_jumps(case):
     """Also where a piece of the motion ends and the next begins; contact may add a little."""
     played, h = case.played, 1e-3
@@ -157,6 +160,7 @@ def test_hands_move_at_the_declared_speed(case):
     assert 0.75 * values["speed"] <= fastest_mps(case) <= share * most
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", FAMILIES)
 def test_poses_are_pure_and_the_same_at_any_frame_rate(name):
     scenario, seed = load_scenario(name), SEEDS[name][0]
@@ -169,7 +173,8 @@ def test_poses_are_pure_and_the_same_at_any_frame_rate(name):
         assert pose.time_s == t
 
 
-@pytest.mark.parametrize("count", ["few", pytest.param("more", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("count", ["few", "more"])
 @pytest.mark.parametrize("name", FAMILIES)
 def test_nearly_every_draw_can_be_posed_at_once(name, count):
     judged = (*FAST, *SPLITS, *VIEW)

@@ -99,6 +99,7 @@ def test_fast_finish_merges_and_then_grows_from_0_8_to_2_5_mps_up_to_the_end(see
             assert speeds(path_of(played, side, end - 3.0, end)[1], DT_S).max() > 1.8
 
 
+@pytest.mark.long
 def test_fast_finish_merges_in_both_views_and_then_hides_hands_in_part(seed):
     played = performance("fast_finish", seed)
     (merge,) = cues(played, "merge")
@@ -123,6 +124,7 @@ def test_the_ladder_of_rates_plays_the_motion_of_natural_table(seeds):
         assert concrete(ladder, seed) == concrete(natural, seed)
 
 
+@pytest.mark.long
 def test_at_every_rate_the_ladder_shows_the_same_poses():
     ladder = load_scenario("fps_ladder")
     for seed, rates in ((200, ladder.rates), (201, (1, 10)), (202, (2, 5))):
@@ -138,6 +140,7 @@ def test_at_every_rate_the_ladder_shows_the_same_poses():
                 np.testing.assert_array_equal(first.head.position_m, pose.head.position_m)
 
 
+@pytest.mark.long
 def test_the_ladder_climbs_through_its_rungs():
     labels = [f"speed:{v:g}" for v in (0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3)]
     for seed in (0, 1):

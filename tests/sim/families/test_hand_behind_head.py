@@ -21,6 +21,7 @@ def test_the_hand_behind_the_head_is_hidden_for_1_to_6_s(seed):
             assert view.visible_fractions[1 + side] < 0.1
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("out", ["same", "other"])
 def test_the_hand_comes_out_on_the_side_asked_for(out):
     played = performance("hand_behind_head", 201, out=out)

@@ -10,6 +10,7 @@ SEEDS = range(200, 203)
 CAMERAS = ("left", "right")
 
 
+@pytest.mark.long
 def test_under_the_table_a_hand_is_hidden_in_both_views_for_1_to_8_s(seed):
     played, values = performance("hand_under_table", seed), drawn("hand_under_table", seed)
     side = HANDS.index(values["hand"])
@@ -25,6 +26,7 @@ def test_under_the_table_a_hand_is_hidden_in_both_views_for_1_to_8_s(seed):
     assert under[2] < room.table_height_m - 0.06
 
 
+@pytest.mark.long
 def test_from_under_the_table_a_hand_comes_back_elsewhere():
     for seed in range(200, 210):
         played = performance("hand_under_table", seed)

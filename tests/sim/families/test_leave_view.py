@@ -17,6 +17,7 @@ SEEDS = range(200, 203)
 CAMERAS = ("left", "right")
 
 
+@pytest.mark.long
 def test_a_hand_leaves_one_view_first_and_both_for_1_to_6_frames(seed):
     played, values = performance("leave_view", seed), drawn("leave_view", seed)
     side = HANDS.index(values["hand"])

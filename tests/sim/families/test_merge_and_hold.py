@@ -27,6 +27,7 @@ def test_clasped_hands_touch_for_the_declared_time_and_are_apart_before_and_afte
             assert gap_m(script, t) > 0.1
 
 
+@pytest.mark.long
 def test_clasped_hands_are_one_blob_in_both_views_and_two_before_and_after():
     assert load_scenario("merge_and_hold").thesis == "Fig. 4.6, 4.7"
     for seed in (0, 1):

@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from performances import cue, drawn, palms, performance, same_pictures
 
 from sim.sequence import Simulation
@@ -18,6 +19,7 @@ def merged(shot):
     return [bool(view.merged[1, 2]) for view in shot.truth.views]
 
 
+@pytest.mark.long
 def test_mirrored_hands_meet_5_to_10_times_and_cross_or_return_by_a_coin():
     kinds = []
     for seed in range(5):
@@ -40,6 +42,7 @@ def test_mirrored_hands_meet_5_to_10_times_and_cross_or_return_by_a_coin():
     assert 0.3 < kinds.count("cross") / len(kinds) < 0.7
 
 
+@pytest.mark.long
 def test_up_to_a_merge_nobody_can_tell_whether_mirrored_hands_will_cross():
     crossing, returning = (
         replace(performance("mirror", 1, cross_share=share), fps=30.0, frames=1200)

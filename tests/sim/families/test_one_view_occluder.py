@@ -31,6 +31,7 @@ def test_the_post_hides_the_hand_in_one_view_alone_for_2_to_12_frames(seed):
     assert at_start.min() > 0.7
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("hidden", "frames"), [(0.6, 2), (3.8, 12)])
 def test_both_ends_of_the_time_behind_the_post_are_2_and_12_frames(hidden, frames):
     played = performance("one_view_occluder", 200, hidden=hidden)
@@ -42,6 +43,7 @@ def test_both_ends_of_the_time_behind_the_post_are_2_and_12_frames(hidden, frame
     assert abs(count - frames) <= 1
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("hand", HANDS)
 @pytest.mark.parametrize("view", CAMERAS)
 def test_either_hand_is_hidden_from_either_camera(hand, view):

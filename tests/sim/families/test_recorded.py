@@ -69,6 +69,7 @@ def test_hands_are_still_and_apart_first_then_play_the_clip_to_its_end(seed):
     np.testing.assert_allclose(last[0], last[1], atol=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_whole_clip_is_posable_and_nothing_is_in_anything(seed):
     played = performance(seed, fps=15, frames=225)
@@ -79,6 +80,7 @@ def test_the_whole_clip_is_posable_and_nothing_is_in_anything(seed):
         assert overlap.worst_m <= ALLOWED_PENETRATION_M, overlap.worst
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("slow", [1, 2, 4, 8])
 def test_speeds_are_those_of_the_clip_slowed(slow):
     frames = int(13.5 * slow * 3 + 10)
@@ -103,7 +105,8 @@ def test_speeds_are_those_of_the_clip_slowed(slow):
             assert np.quantile(speeds[:, side], share) == pytest.approx(wanted, rel=0.05, abs=0.01)
 
 
-@pytest.mark.parametrize("seed", [100, pytest.param(103, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [100, 103])
 def test_motion_is_smooth_everywhere_also_where_the_clip_begins_and_ends(seed):
     played = performance(seed)
     clock = clock_of(played)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from performances import HANDS, components_px, cue, cues, drawn, end_s, performance, renders
 
 from pjpdaf.detector.parameters import DetectorParameters
@@ -24,6 +25,7 @@ def skin(picture):
     return skin_mask(to_hsv(picture), DetectorParameters().skin) > 0
 
 
+@pytest.mark.long
 def test_the_block_has_the_colour_of_skin_and_joins_the_hand_that_carries_it(seeds):
     shares = []
     for seed in seeds:
@@ -54,6 +56,7 @@ def test_the_block_goes_with_the_hand_and_is_put_down_elsewhere(seeds):
         assert max(played.script.pose(t).objects["block"].position_m[2] for t in middle) > top + 0.1
 
 
+@pytest.mark.long
 def test_bare_forearms_are_skin_that_belongs_to_no_target(seeds):
     for seed in seeds:
         played = performance("bare_forearm", seed)

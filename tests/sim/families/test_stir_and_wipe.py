@@ -17,6 +17,7 @@ def fine(script, side, from_s, to_s, dt_s=0.005):
     return np.array([script.body(t).arms[side].palm_m for t in times.tolist()])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("task", ["stir", "wipe"])
 @pytest.mark.parametrize("hertz", [0.3, 1.4])
 def test_rounds_are_as_wide_and_as_frequent_as_declared(task, hertz):

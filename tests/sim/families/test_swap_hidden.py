@@ -29,6 +29,7 @@ def test_a_screen_hides_both_hands_in_both_views_and_shows_them_before_and_after
         assert (view.visible_fractions > 0.6).all()
 
 
+@pytest.mark.long
 def test_hands_are_out_of_sight_for_1_to_4_s():
     for seed, hidden_s in ((0, 0.7), (1, 3.2)):
         fps = 6
@@ -44,6 +45,7 @@ def test_hands_are_out_of_sight_for_1_to_4_s():
         assert 0.9 <= total_s <= 4.4
 
 
+@pytest.mark.long
 def test_swapped_hands_do_not_touch_and_come_out_at_the_same_places(seeds):
     ends = {}
     for outcome in ("crossed", "same"):

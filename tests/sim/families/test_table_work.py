@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from performances import HANDS, bodies, cues, drawn, halved, performance, speeds, truths
 
 SEEDS = range(200, 203)
@@ -15,6 +16,7 @@ def path_of(name, seed):
     return times, np.array([[arm.palm_m for arm in body.arms] for body in posed])
 
 
+@pytest.mark.long
 def test_natural_speeds_are_half_a_metre_to_a_metre_a_second(seeds):
     for seed in seeds:
         top = drawn("natural_table", seed)["speed"]
@@ -23,6 +25,7 @@ def test_natural_speeds_are_half_a_metre_to_a_metre_a_second(seeds):
         assert 0.7 * top <= speeds(path, DT_S).max() <= 1.3 * top
 
 
+@pytest.mark.long
 def test_natural_statistics_are_near_the_recorded_ones():
     pooled = [path_of("natural_table", seed)[1] for seed in SEEDS]
     speed = np.concatenate([speeds(path, DT_S).ravel() for path in pooled])
@@ -56,6 +59,7 @@ def test_a_longer_natural_sequence_begins_like_a_shorter_one():
         np.testing.assert_array_equal(short.body(t).arms[0].palm_m, long.body(t).arms[0].palm_m)
 
 
+@pytest.mark.long
 def test_the_idle_hand_does_not_stir_for_20_to_40_s_while_the_other_works(seeds):
     for seed in seeds:
         values = drawn("one_hand_idle", seed)
@@ -85,6 +89,7 @@ def calm_path(name, seed):
     return times, np.array([[arm.palm_m for arm in body.arms] for body in posed])
 
 
+@pytest.mark.long
 def test_calm_table_stays_below_its_speed_with_hands_15_cm_apart(seeds):
     for seed in seeds:
         declared = drawn("calm_table", seed)["speed"]

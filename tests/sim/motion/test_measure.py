@@ -82,6 +82,7 @@ def test_a_plain_motion_has_no_fault():
     assert fault_of(performer(stroke_to(at(0.40, -0.15, 0.95))), []) is None
 
 
+@pytest.mark.long
 def test_hands_told_to_be_in_one_place_are_parted_before_they_are_judged():
     left = HandPlanner(rest(1))
     left.until(1.0)

@@ -56,6 +56,7 @@ def test_an_unknown_word_is_refused():
         with_opening(stage, performer.plan, "up")
 
 
+@pytest.mark.long
 @every
 @pytest.mark.parametrize("name", NAMES)
 def test_a_person_can_make_every_opening(name, kind, seeds):
@@ -99,6 +100,7 @@ def test_told_paths_have_no_jumps_of_speed(kind, seeds):
             assert np.abs(velocity[still]).max() == 0.0
 
 
+@pytest.mark.long
 def test_crossed_hands_are_on_the_wrong_sides_one_over_the_other():
     tops = set()
     for seed in SEEDS:

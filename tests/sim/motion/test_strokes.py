@@ -53,6 +53,7 @@ def test_derivatives_agree_with_differences(s):
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("speed", [0.1, 0.5, 3.0])
 def test_a_straight_stroke_peaks_at_1_875_a_over_t(speed):
     way = np.array([0.0, 0.35, 0.0])
@@ -62,6 +63,7 @@ def test_a_straight_stroke_peaks_at_1_875_a_over_t(speed):
     assert speeds(path, 1.0, 1.0 + duration).max() == pytest.approx(speed, rel=1e-3)
 
 
+@pytest.mark.long
 @given(bow=st.tuples(*[st.floats(-0.1, 0.1)] * 3).map(np.array))
 def test_a_bowed_stroke_peaks_at_the_speed_asked_for(bow):
     way = np.array([0.2, 0.1, 0.0])

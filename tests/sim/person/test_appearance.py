@@ -135,6 +135,7 @@ def test_hands_have_the_same_labels_with_any_sleeve():
         assert (mask ^ masks[0]).sum() < 0.06 * size
 
 
+@pytest.mark.long
 def test_hair_is_no_skin_and_long_hair_covers_more_of_it():
     heads = {}
     for hair in HAIR:
@@ -161,6 +162,7 @@ def test_a_beard_is_the_faces_and_glasses_are_not():
     assert (glasses.targets[frame] == -1).all()
 
 
+@pytest.mark.long
 def test_skin_tones_arrive_in_the_picture_in_their_order():
     """At least six levels, each visibly darker than the one before, on hands and head alike."""
     levels = []
@@ -171,6 +173,7 @@ def test_skin_tones_arrive_in_the_picture_in_their_order():
     assert (np.diff(levels, axis=0) < -4.0).all()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("pattern", PATTERNS)
 def test_the_shirt_has_the_colour_and_the_pattern_asked_for(pattern):
     world, view = look(Appearance(shirt_rgb=(0.15, 0.22, 0.52), shirt_pattern=pattern))
@@ -186,6 +189,7 @@ def _edge(mask):
     return cv2.erode(mask.astype(np.uint8), np.ones((5, 5))) == 0
 
 
+@pytest.mark.long
 def test_the_table_has_the_colour_asked_for_on_every_surface():
     for surface, rgb in product(SURFACES, ((0.30, 0.50, 0.34), (0.72, 0.52, 0.38))):
         room = RoomSpec(table_rgb=rgb, table_surface=surface)

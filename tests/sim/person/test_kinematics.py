@@ -133,6 +133,7 @@ def test_an_arm_tells_its_swivel_and_how_its_elbow_swings_with_it(side, offset, 
         np.testing.assert_allclose(swung, arms[0].swing, atol=1e-4)
 
 
+@pytest.mark.long
 def test_the_elbow_follows_the_wrist_without_a_jump_wherever_a_hand_goes():
     """Paths of the wrist about a shoulder, also beside and behind the head and behind the back."""
     a, b = PERSON.upper_arm_m, PERSON.forearm_m

@@ -96,6 +96,7 @@ def test_all_disturbances_go_together():
     build(scene_with(both))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", MOVING)
 def test_a_track_is_pure_smooth_and_not_too_fast(kind):
     for seed in range(100, 110):
@@ -128,6 +129,7 @@ def undisturbed():
     return room_without_person(build(scene_with(Extras(), SMALL)), rest_pose(SceneSpec().anatomy))
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("kind", ALL)
 def test_what_disturbs_is_absent_while_the_background_is_learnt(undisturbed, kind):
     extras = disturbance(kind)
@@ -139,6 +141,7 @@ def test_what_disturbs_is_absent_while_the_background_is_learnt(undisturbed, kin
     np.testing.assert_array_equal(room_without_person(world, learnt), undisturbed)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", [k for k in CHANGES if k != "none"])
 def test_the_learnt_background_differs_where_the_change_is_and_nowhere_else(kind):
     extras = disturbance(kind)
@@ -180,6 +183,7 @@ def corners(thing, place):
     return place.position_m + box @ place.rotation.T
 
 
+@pytest.mark.long
 def test_no_camera_ever_sees_what_casts_the_shadow():
     rigs = [
         stereo_rig(RigSpec(focal, baseline, height, distance, tilt))
@@ -198,6 +202,7 @@ def test_no_camera_ever_sees_what_casts_the_shadow():
                     assert all(outside(c, points) for rig in rigs for c in rig.cameras)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("azimuth_deg", [-30.0, 0.0, 30.0])
 def test_the_shadow_sweeps_over_table_hands_and_face_and_away(azimuth_deg):
     extras = disturbance("slow", azimuth_rad=np.radians(azimuth_deg))
@@ -224,6 +229,7 @@ def test_the_shadow_sweeps_over_table_hands_and_face_and_away(azimuth_deg):
     assert 0.08 < swept[:, 0].max() < 0.6
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", ["arm", "balloon"])
 def test_the_mover_is_seen_comes_from_beside_and_is_of_the_colour_of_skin(kind):
     extras = disturbance(kind)

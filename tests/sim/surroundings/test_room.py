@@ -47,6 +47,7 @@ def scene_with(surroundings, **room):
     return SceneSpec(rig=RIG, room=room)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("number", range(4))
 def test_a_room_is_drawn_with_all_that_its_words_say(number):
     surroundings = full(number)
@@ -112,6 +113,7 @@ def test_soft_shadows_are_the_same_whether_all_or_a_part_is_drawn():
     assert 0.001 < softened.mean() < 0.1, "the edges of shadows, and only these"
 
 
+@pytest.mark.long
 def test_a_second_light_casts_shadows_of_its_own():
     """Both lights' shadows lie on the table, each where the other's light still reaches."""
     two = scene_with(replace(PLAIN, shadow_lights=2, light_softness=0.0, light_contrast=0.0))

@@ -15,6 +15,7 @@ def test_a_wrong_baseline_in_the_calibration_is_named(copy, folder):
     assert any(fault.text.startswith("T differs from") for fault in faults)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("key", "file"),
     [("R", "extrinsics"), ("P2", "extrinsics"), ("Q", "extrinsics"), ("D1", "intrinsics")],

@@ -32,6 +32,7 @@ def moved(point, by, axis=0):
 HAND = "right_hand"
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("skeleton", "change", "text"),
     [

@@ -20,6 +20,7 @@ def test_boxes_that_count_from_1_are_named(copy):
     assert all("in 4 more frames" in fault.text for fault in faults)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(
     ("column", "change"),
     [

@@ -68,6 +68,7 @@ def test_pictures_are_those_of_the_frames_in_rgb(files):
     assert not all(file["truth/arrived"][...].all() for file, _ in files)
 
 
+@pytest.mark.long
 def test_labels_are_those_of_the_data_set(files):
     for file, sequence in files:
         named = {folder for folders in LABELS.values() for folder in folders}

@@ -42,15 +42,16 @@ def contents(folder):
     return {p.relative_to(folder): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
 
 
-def test_same_bytes_again_and_an_older_export_is_replaced(export, dataset_made, tmp_path):
-    dataset, done = sim.dataset.open(dataset_made), []
-    written = export(dataset, tmp_path, done.append)
+def test_same_bytes_again_and_an_older_export_is_replaced(export, dataset_small, tmp_path):
+    dataset, done = sim.dataset.open(dataset_small), []
+    (out := tmp_path / "out").mkdir()
+    written = export(dataset, out, done.append)
     assert done == [sequence.name for sequence in dataset.sequences]
-    first = contents(tmp_path)
-    assert sorted(tmp_path / path for path in first) == written == sorted(written)
+    first = contents(out)
+    assert sorted(out / path for path in first) == written == sorted(written)
     (written[0].parent / "older.txt").write_text("of another version")
-    assert export(sim.dataset.open(dataset_made), tmp_path) == written
-    assert contents(tmp_path) == first
+    assert export(sim.dataset.open(dataset_small), out) == written
+    assert contents(out) == first
 
 
 def test_the_command_line_knows_the_formats():
@@ -64,8 +65,8 @@ def pool():
         yield workers
 
 
-def test_workers_write_the_same_bytes(export, dataset_made, tmp_path, pool):
-    dataset, done = sim.dataset.open(dataset_made), []
+def test_workers_write_the_same_bytes(export, dataset_small, tmp_path, pool):
+    dataset, done = sim.dataset.open(dataset_small), []
     for name in ("alone", "workers"):
         (tmp_path / name).mkdir()
     alone = export(dataset, tmp_path / "alone")
@@ -109,13 +110,14 @@ def test_the_part_of_a_killed_worker_is_written_again(dataset_made, tmp_path, po
     assert not list((tmp_path / "3").iterdir())
 
 
-def test_what_a_killed_export_left_is_removed(export, dataset_made, tmp_path):
-    dataset = sim.dataset.open(dataset_made)
-    name = export(dataset, tmp_path)[0].relative_to(tmp_path).parts[0]
+def test_what_a_killed_export_left_is_removed(export, dataset_small, tmp_path):
+    dataset = sim.dataset.open(dataset_small)
+    (out := tmp_path / "out").mkdir()
+    name = export(dataset, out)[0].relative_to(out).parts[0]
     for left in (f".part-{name}", f".part-old-{name}"):
-        (tmp_path / left / "gt").mkdir(parents=True)
-    export(dataset, tmp_path)
-    assert [path.name for path in tmp_path.iterdir()] == [name]
+        (out / left / "gt").mkdir(parents=True)
+    export(dataset, out)
+    assert [path.name for path in out.iterdir()] == [name]
 
 
 FAULTS = {

@@ -163,6 +163,7 @@ def held(x, z, centre=(0.45, -0.1, 1.15), curl=0.06):
     return replace(pose, hands=(Transform(np.array(centre), rotation), pose.hands[1]))
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("x", "z"),
     [

@@ -78,6 +78,7 @@ def scenario_frame(name, index, seed=101):
 EFFECTS = SensorSpec(exposure_time_s=0.01, skew_s=0.03, noise_sd=2.0)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "playing",
     [
@@ -256,6 +257,7 @@ def by_rays(simulation, view, target):
     return 1 - inside.mean()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("distortion", [(), BENT], ids=["pinhole", "lens"])
 def test_truncation_is_the_share_beyond_the_border(distortion):
     rig = replace(RIG, distortion=distortion)
@@ -337,6 +339,7 @@ def test_the_first_frame_has_one_sided_velocities():
     np.testing.assert_array_equal(shot.truth.velocities_mps, velocities(Sliding(), 0.0))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("rig", [RIG, replace(RIG, vergence_rad=0.05)], ids=["own", "drawn"])
 def test_with_skew_stereo_is_of_the_left_views_moment(rig):
     skew_s = 0.05

@@ -77,6 +77,7 @@ def in_frame(pixels, camera):
     return ((pixels >= -0.5) & (pixels < np.array(size) - 0.5)).all(axis=1)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("view", [0, 1])
 def test_pictures_match_where_rays_meet(filmed, view):
     own, other = filmed.rig.cameras[view], filmed.rig.cameras[1 - view]

@@ -17,6 +17,7 @@ def test_coco_boxes_that_count_from_1_are_named(copy):
     assert all(fault.text.startswith("bbox") for fault in faults)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "kind",
     ["area", "segmentation", "visible_fraction", "num_keypoints", "keypoints", "person", "lost"],

@@ -39,6 +39,7 @@ def only_fault(copy):
     return fault.text
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("array", "frame", "text"),
     [

@@ -6,6 +6,7 @@ import pytest
 from damaged_dataset import SEQ, exchange, faults_of, files
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     "kind",
     [
@@ -21,6 +22,7 @@ def test_exchanged_labels_are_named(copy, kind):
         assert any(f"/{kind}_" in file and file.endswith(f"{frame:06d}.{suffix}") for file in named)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", ["depth", "amodal", "disparity", "semantic", "normals"])
 def test_a_label_of_another_frame_is_named(copy, kind):
     folder = copy / SEQ / f"{kind}_right"

@@ -31,6 +31,7 @@ def along_x(flow):
     return flow + np.array([0, 0, 64])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("change", "where", "text"),
     [

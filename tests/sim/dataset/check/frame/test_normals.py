@@ -7,6 +7,7 @@ from damaged_dataset import SEQ, edit_png, faults_of, files
 PATH = f"{SEQ}/normals_right/000004.png"
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("change", "text"),
     [
