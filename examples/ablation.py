@@ -44,6 +44,7 @@ DETECTOR = tuple(
         ("light", "balance_light"),
         ("clothes", "split_clothes"),
         ("the face where the head is expected", "expect_face"),
+        ("places that were uncovered", "drop_ghosts"),
         ("rotation of the cameras", "align_views"),
     )
 )
@@ -68,6 +69,7 @@ TRACKER = (
     Part("strips are no bare arms", {"arm_thickness_m": "0"}, ENDS),
     Part("a hand missing beside the head", {"missing_hand": "false"}, BESIDE),
     Part("pieces of a bare arm at the start", {"arm_pieces": "false"}),
+    Part("blobs that no arm joins to the person", {"apart": "0"}),
     Part("middle of the palm", {"palm": "0"}),
     Part("sleeves", SLEEVES),
     Part("fingers", {"finger_weight": "0"}, SLEEVES),
@@ -77,6 +79,7 @@ TRACKER = (
     Part("more than one hypothesis", HYPOTHESES),
     Part("mean of hypotheses", {"mean_within": "0"}, HYPOTHESES),
     Part("rest, movement and fast movement", {"deviations_m": "0.168,0.168,0.168"}),
+    Part("fast hands are not named by motion", {"naming_step_m": "0"}),
     Part("errors common to both views", {"whole_px": "0.1,2.6", "part_px": "0.1,8.2"}),
     Part("sightings of one view", {"single_view": NEVER}),
     Part("a hand at the face", FACE),

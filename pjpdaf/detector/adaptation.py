@@ -21,6 +21,8 @@ class AdaptationParameters:
     expect_face: bool = True
     # Clothes of a colour near skin are told from skin.
     split_clothes: bool = True
+    # What is only uncovered, where something of the background is gone, is no skin.
+    drop_ghosts: bool = True
     # A rotation of the cameras that the calibration missed is taken out.
     align_views: bool = True
 

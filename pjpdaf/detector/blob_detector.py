@@ -23,6 +23,7 @@ from pjpdaf.detector.detector import SkinDetector
 from pjpdaf.detector.ellipses import ellipse_axes, moments, undistort_moments
 from pjpdaf.detector.exposure import Exposure, exposure_of
 from pjpdaf.detector.face import ExpectedHead, Face, face_of, mean_face, to_reference
+from pjpdaf.detector.ghost import GhostTest
 from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.detector.silhouette import foreground, opened, reduced, reduction, silhouette, turned
 from pjpdaf.detector.skin import skin_mask, to_hsv
@@ -70,6 +71,7 @@ class BlobDetector:
     adaptation: AdaptationParameters = field(default_factory=AdaptationParameters)
     _tests: tuple[BackgroundTest, ...] = field(init=False, repr=False)
     _chroma: tuple[ChromaTest, ...] = field(init=False, repr=False)
+    _ghosts: tuple[GhostTest, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         p = self.base.parameters.background
@@ -78,6 +80,7 @@ class BlobDetector:
         )
         object.__setattr__(self, "_tests", tuple(prepare(b, quiet) for b in self.small))
         object.__setattr__(self, "_chroma", tuple(ChromaTest.of(b) for b in self.small))
+        object.__setattr__(self, "_ghosts", tuple(GhostTest.of(b) for b in self.small))
 
     @staticmethod
     def of(cameras: tuple[Camera, ...], parameters: DetectorParameters) -> BlobDetector:
@@ -172,6 +175,14 @@ class BlobDetector:
         face = face_of(small, person, self._chroma[view].median, focal_px, expected)
         return View(picture, small, person, coloured, face)
 
+    def _no_skin(self, number: int, view: View, face: Face | None) -> np.ndarray | None:
+        """Clothes of the colour of skin and ghosts in the reduced picture, None without any."""
+        cloth = self._cloth(number, view, face)
+        ghost = self._ghosts[number](view.small) if self._ghosts else None
+        if ghost is None or not self.adaptation.drop_ghosts:
+            return cloth
+        return ghost if cloth is None else np.asarray(ghost | cloth)
+
     def _cloth(self, number: int, view: View, face: Face | None) -> np.ndarray | None:
         """Clothes of the colour of skin in the reduced picture, None without any."""
         p = self.base.parameters
@@ -193,7 +204,7 @@ class BlobDetector:
         picture = view.picture
         balance = face is not None and self.adaptation.balance_light and not face.fits
         balanced = to_reference(picture, face) if face is not None and balance else None
-        cloth = self._cloth(number, view, face)
+        cloth = self._no_skin(number, view, face)
         least = min_area_px(p.components, camera, predicted)
         seen = self.base.segment(number, picture, least, balanced, view.coloured, cloth)
         turn = self.alignment.homography(camera) if self.alignment and number == 1 else None

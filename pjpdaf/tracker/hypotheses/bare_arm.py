@@ -8,6 +8,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from pjpdaf.arrays import Floats, Ints
 
+OUTSIDE = 0.7  # share of a hand that is seen outside the face that it reaches to
 NEIGHBOURS = (1, 0), (0, 1), (1, 1), (1, -1)  # columns, rows; each way once
 
 
@@ -53,15 +54,12 @@ def ends_and_middles(
 
 
 def end_at(pixels: Floats, step_px: float, goal: Floats, length_px: float) -> Floats:
-    """Centre (2,) of a hand of length_px at the end of an arm that reaches into something at goal.
+    """Centre (2,) of a hand of length_px at the end of an arm that reaches to something at goal.
 
-    Pixels (n, 2) are of the arm outside it. Most of the hand is taken to be inside, on the way on
-    from the arm's middle.
+    Pixels (n, 2) are of the arm outside it. The fingers, or less, are inside.
     """
     way, _ = courses(pixels, step_px, goal)
-    end = pixels[way <= 0.5 * length_px].mean(axis=0)
-    on = end - pixels.mean(axis=0)
-    return np.asarray(end + 0.5 * length_px * on / max(float(np.linalg.norm(on)), 1e-6))
+    return np.asarray(pixels[way <= OUTSIDE * length_px].mean(axis=0))
 
 
 def _last(pixels: Floats, way: Floats, length_px: float) -> Floats:

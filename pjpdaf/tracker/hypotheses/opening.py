@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
 from pjpdaf.tracker.hypotheses.arm_pieces import forearm_cost
+from pjpdaf.tracker.hypotheses.attached import apart_cost, attached
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.candidates import END, WHOLE, HeadPlace, candidates
 from pjpdaf.tracker.hypotheses.costs import area_cost, end_cost, finger_directions
@@ -128,6 +129,9 @@ def _hands(
     fingers = finger_directions(pairs, seen, views, p.sleeve)
     scores = arm_scores(pairs.points_m, values, shapes, views, body, p.sleeve, fingers)
     own = pairs.cost + area_cost(pairs, p.costs.hand_area_m2, p.costs)
+    if p.costs.apart > 0:
+        hangs = attached(seen, pairs.points_m[head], views)
+        own = own + apart_cost(pairs, hangs, 1.0, p.costs.apart)
     bare = long or all(shape is None for shape in shapes)
     if long:
         own = own + end_cost(pairs, views.axes, p.costs) + WHOLE_ARM * _whole_arms(pairs)

@@ -63,6 +63,11 @@ class MotionParameters:
     head_deviations_m: tuple[float, float] = (0.012, 0.1)
     # A hand that vanishes goes on for as long, ever slower; 0: it stays where it was seen [s].
     coast_s: NotNegative = 0.35
+    # Movement from frame to frame at which motion counts half for the names of two places [m]; 0 =
+    # motion counts in full, however fast the hands are.
+    naming_step_m: NotNegative = 0.08
+    # Time over which the speed is a mean [s].
+    speed_memory_s: AboveZero = 0.3
 
     def __post_init__(self) -> None:
         check_bounds(OWNER, self)
@@ -137,6 +142,8 @@ class CostParameters:
     forward_m: float = 0.04
     # A piece of face or neck.
     piece: NotNegative = 6.0
+    # A blob that no arm joins to the person; 0 = nothing is asked of the silhouette.
+    apart: NotNegative = 6.0
 
     def __post_init__(self) -> None:
         check_bounds(OWNER, self)

@@ -12,6 +12,7 @@ from pjpdaf.camera import Camera
 from pjpdaf.interfaces import Detections, Estimates
 from pjpdaf.known_targets import KnownTargets
 from pjpdaf.tracker.hypotheses.arm_at_head import before_face, unsure_depth
+from pjpdaf.tracker.hypotheses.attached import apart_cost, attached, learnt_share
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.candidates import WHOLE, HeadPlace, candidates
 from pjpdaf.tracker.hypotheses.costs import (
@@ -63,7 +64,8 @@ class HypothesisState:
     hypotheses: from the likeliest; estimates: the latest; hand_area_m2: of a whole hand, learnt;
     longest_m: mean length of the longer hand's blob, which tells bare forearms; dt_s: time since
     the state before; doubt: that the hands changed places while both were hidden; skew: of the
-    views' moments, None where it is not learnt.
+    views' moments, None where it is not learnt; hanging: share of the hands' blobs that hang on the
+    person, learnt.
     """
 
     head: HeadTrack
@@ -74,6 +76,7 @@ class HypothesisState:
     dt_s: float = 0.0
     doubt: float = 0.0
     skew: Skew | None = None
+    hanging: float = 1.0
 
 
 @final
@@ -166,7 +169,11 @@ class HypothesisTracker:
         head_m = None if known_m is None else known_m[0]
         joined = self._joined(state, seen)
         head, places = follow_head(state.head, seen, self.views, dt_s, p, head_m, joined)
+        hangs = attached(seen, head.mean, self.views) if p.costs.apart > 0 else None
         pairs = self._pairs(state, seen, places, head, dt_s)
+        if hangs is not None:
+            extra = apart_cost(pairs, hangs, state.hanging, p.costs.apart)
+            pairs = replace(pairs, cost=pairs.cost + extra)
         face_m, face_cost = self._at_head(head, places)
         sightings = Sightings(
             pairs,
@@ -192,6 +199,7 @@ class HypothesisTracker:
             dt_s,
             doubt,
             self._learnt_skew(state, pairs, chosen, seen, dt_s),
+            state.hanging if hangs is None else learnt_share(state.hanging, pairs, chosen, hangs),
         )
         return after, estimates
 

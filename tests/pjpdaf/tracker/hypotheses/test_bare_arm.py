@@ -52,6 +52,6 @@ def test_a_way_follows_the_arm_and_does_not_jump_to_another_piece():
     assert np.isinf(way[-1])
 
 
-def test_hand_of_an_arm_that_reaches_into_a_face_is_inside_its_rim():
+def test_hand_of_an_arm_that_reaches_to_a_face_is_the_arms_end():
     centre = end_at(STRAIGHT, STEP, np.array([260.0, 20.0]), length_px=80.0)
-    np.testing.assert_allclose(centre, [220, 20], atol=5.0)
+    np.testing.assert_allclose(centre, [172, 20], atol=5.0)
