@@ -32,7 +32,8 @@ class Hypothesis:
     cost: negative log-odds of motion and looks; evidence: of the sleeves, which fades; means (2, 3)
     [m] right, left; covariances (2, 3, 3) [m^2]; unseen_s (2,); parent: index of the hypothesis of
     the frame before that it comes from; halves: whether the latest sighting of right and left is
-    half of a merged blob; speed_mps: of the hands lately, root mean square; velocities (2, 3) [m/s].
+    half of a merged blob; speed_mps: of the hands lately, root mean square; velocities (2, 3)
+    [m/s] of each.
     """
 
     cost: float
