@@ -36,7 +36,7 @@ def hidden_doubt(
 
 
 def halves_doubt(hypotheses: Sequence[Hypothesis], dt_s: float, p: HypothesisParameters) -> float:
-    """Probability, at most 1/2, that two hands in one blob were named wrongly, beside what the hypotheses say.
+    """Probability, at most 1/2, that hands in one blob were named wrongly, beside the hypotheses'.
 
     Where the sleeves of such hands are wrong, or the blob is cut wrongly, nothing in the picture
     shows it. hypotheses: of a frame, from the likeliest, dt_s after the frame before; of hands that
