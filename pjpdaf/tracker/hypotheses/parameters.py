@@ -61,6 +61,8 @@ class MotionParameters:
     # The same of the head.
     head_weights: tuple[float, float] = (0.8, 0.2)
     head_deviations_m: tuple[float, float] = (0.012, 0.1)
+    # A hand that vanishes goes on for as long, ever slower; 0: it stays where it was seen [s].
+    coast_s: NotNegative = 0.35
     # Movement from frame to frame at which motion counts half for the names of two places [m]; 0 =
     # motion counts in full, however fast the hands are.
     naming_step_m: NotNegative = 0.08
