@@ -12,13 +12,13 @@ from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.candidates import HeadPlace
 from pjpdaf.tracker.hypotheses.geometry import Views, stereo_information
 from pjpdaf.tracker.hypotheses.motion import correct, spread
+from pjpdaf.tracker.hypotheses.nearer_head import nearer_head
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 from pjpdaf.tracker.hypotheses.split import settle
 
 MERGED_RATIO = 1.10  # of the remembered area: a larger blob is head and something else
 LOOSE_RATIO = 1.45  # up to this it may be the head that turned, and is learnt slowly
 PARTLY_RATIO = 0.55  # a smaller blob is not the whole head
-LIKE_LOG_AXIS = 0.10  # between the axes of a head that came nearer and the remembered ones
 MEMORY, SLOW_MEMORY = 0.15, 0.05  # shares of a sighting in the remembered area and shape
 FARTHEST_M = 0.45  # from the prediction, the more the longer it is unseen
 RESIDUAL_PX = 6.0  # rms, of two views that agree
@@ -70,6 +70,9 @@ def follow_head(
     """
     looked_for = track if known_m is None else replace(track, mean=known_m)
     places = head_places(looked_for, seen, views, joined)
+    if p.candidates.nearer_head and not any(joined):
+        size, most_px = (track.area_m2, track.shape_m2), RESIDUAL_PX * views.scale
+        places = nearer_head(places, seen, views, *size, MERGED_RATIO, most_px)
     sighting = _sighting(track, places, views, p)
     m = p.motion
     if sighting is None:

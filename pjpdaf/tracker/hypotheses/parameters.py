@@ -28,6 +28,8 @@ class CandidateParameters:
     arm_thickness_m: NotNegative = 0.03
     # A hand that was near the head and is seen nowhere else is in the head's blob.
     missing_hand: bool = True
+    # A head's blob that is larger only because the head came nearer shows nothing but the head.
+    nearer_head: bool = True
     # Of two pieces of one bare arm the nearer one is the hand, at the start.
     arm_pieces: bool = True
     # Pieces of the head, as a fringe or glasses cut it, are one blob.
