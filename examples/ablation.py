@@ -82,6 +82,8 @@ TRACKER = (
     Part("more than one hypothesis", HYPOTHESES),
     Part("mean of hypotheses", {"mean_within": "0"}, HYPOTHESES),
     Part("rest, movement and fast movement", {"deviations_m": "0.168,0.168,0.168"}),
+    Part("fast hands are not named by motion", {"naming_step_m": "0"}),
+    Part("a hand that vanishes goes on", {"coast_s": "0"}),
     Part("errors common to both views", {"whole_px": "0.1,2.6", "part_px": "0.1,8.2"}),
     Part("sightings of one view", {"single_view": NEVER}),
     Part("a hand at the face", FACE),

@@ -125,12 +125,16 @@ def _join_fragments(labels: np.ndarray, stats: np.ndarray, min_area_px: float) -
         distance = cv2.distanceTransform(
             (window != i).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
         )
-        distance[~other] = np.inf
-        nearest = int(np.argmin(distance))
+        # Squares are whole numbers; the last bit of a distance depends on where it lies in memory,
+        # and of pixels at the same distance the first shall count.
+        squared = np.rint(distance * distance)
+        squared[~other] = np.inf
+        nearest = int(np.argmin(squared))
         j = int(window.ravel()[nearest])
         root = int(_root(parent, j))
         # A speck must not carry a chain; root == i: the two are each other's nearest.
-        if float(distance.ravel()[nearest]) <= reach and areas[j] >= FRAGMENT_MIN_PX and root != i:
+        near = float(squared.ravel()[nearest]) <= reach * reach
+        if near and areas[j] >= FRAGMENT_MIN_PX and root != i:
             parent[i] = root
     return np.array([_root(parent, i) for i in range(count)], np.intp)
 

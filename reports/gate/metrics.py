@@ -17,7 +17,8 @@ REACH = 10.0  # margins; see Metric.reach
 class Metric:
     """A measure of an episode; more is always worse.
 
-    margin: the greatest difference of the means that does not matter, in `unit`. event: it happens
+    margin: the greatest difference of the means that does not matter, in `unit`. short: it in a few
+    words, without a comma; meaning: its definition in words. event: it happens
     in an episode or not. counted: judged by its count alone, not as a sample. reach: the most that
     the difference of one episode counts; beyond it the episode was lost or swapped, which other
     metrics count, and a few such episodes would hide a change in all others.
@@ -26,6 +27,7 @@ class Metric:
     name: str
     unit: str
     margin: float
+    short: str
     meaning: str
     event: bool = False
     counted: bool = False
@@ -34,13 +36,26 @@ class Metric:
 
 METRICS = (
     Metric(
-        "error_mm", "mm", 3.0, "median 3-D error of a target, mean over the targets", reach=30.0
+        "error_mm",
+        "mm",
+        3.0,
+        "3-D error",
+        "median 3-D error of a target, mean over the targets",
+        reach=30.0,
     ),
-    Metric("missed", "1", 0.02, "share of target-frames not within 100 mm", reach=0.2),
+    Metric(
+        "missed",
+        "1",
+        0.02,
+        "share beyond 100 mm",
+        "share of target-frames not within 100 mm",
+        reach=0.2,
+    ),
     Metric(
         "err_acc_px",
         "px",
         0.5,
+        "error in the picture",
         "median distance in the picture (Eq. 4.1), mean over targets",
         reach=5.0,
     ),
@@ -48,13 +63,27 @@ METRICS = (
         "gospa_mm",
         "mm",
         4.0,
+        "GOSPA",
         f"mean GOSPA of a frame, cut-off {CUT_OFF_M * 1000:.0f} mm",
         reach=40.0,
     ),
-    Metric("swapped", "1", 0.02, "episodes in which the hands were swapped", event=True),
-    Metric("lost", "1", 0.02, "episodes in which a target was lost", event=True),
     Metric(
-        "failed", "1", 0.0, "episodes that gave a result in the base only", event=True, counted=True
+        "swapped",
+        "1",
+        0.02,
+        "swapped hands",
+        "episodes in which the hands were swapped",
+        event=True,
+    ),
+    Metric("lost", "1", 0.02, "lost targets", "episodes in which a target was lost", event=True),
+    Metric(
+        "failed",
+        "1",
+        0.0,
+        "episodes without a result",
+        "episodes that gave a result in the base only",
+        event=True,
+        counted=True,
     ),
 )
 

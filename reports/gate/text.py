@@ -18,7 +18,7 @@ def verdict_sentence(verdict: Verdict, lead: str, name: Callable[[Metric], str])
         text = "no metric is worse by more than its margin"
     else:
         decisive = (m.metric for m in verdict.metrics if m.verdict == verdict.verdict)
-        text = "; ".join(map(name, decisive))  # some names have commas
+        text = ", ".join(map(name, decisive))
     return f"{lead}: {text} ({count(verdict.episodes, 'paired episode')})"
 
 

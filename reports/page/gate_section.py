@@ -57,7 +57,7 @@ def gate_section(verdict: Verdict, entries: Sequence[RunEntry]) -> GateSection:
     return GateSection(
         base=verdict.base,
         outcome=OUTCOMES[verdict.verdict],
-        sentence=verdict_sentence(verdict, LEADS[verdict.verdict], lambda metric: metric.meaning),
+        sentence=verdict_sentence(verdict, LEADS[verdict.verdict], lambda metric: metric.short),
         table=FigureTable(
             anchor="by-metric",
             label="Metrics against the baseline",

@@ -87,10 +87,6 @@ def _failed(report: RunReport, wrong: Sequence[RunEntry]) -> str:
     """What went wrong, and in how many episodes. wrong: those that did."""
     overall = report.summary.overall
     far = sum(not entry.flags for entry in wrong)
-    others = (
-        ("a target captured by another", overall.captured),
-        ("under 95 % of the estimates within 100 mm", far),
-    )
     kinds = (("hands swapped", overall.swapped or 0), ("a target lost", overall.lost))
     if any(n for _, n in kinds):
         parts = [
@@ -99,7 +95,11 @@ def _failed(report: RunReport, wrong: Sequence[RunEntry]) -> str:
         ]
     else:
         parts = ["no hands swapped, no target lost"]
-    parts += [f"{words} in {n} of {overall.episodes}" for words, n in others if n]
+    if overall.captured:
+        parts.append(f"a target captured by another in {overall.captured} of {overall.episodes}")
+    if far:
+        many = f"{far} of {overall.episodes}" if far == len(wrong) else f"{far} more"
+        parts.append(f"under 95 % of the estimates within 100 mm in {many}")
     text = "; ".join(parts)
     return f"{text[0].upper()}{text[1:]}."
 

@@ -11,29 +11,42 @@ from typer.core import TyperGroup
 MOST_COLUMNS = 120  # longer lines are hard to read
 NARROW_COLUMNS = 52  # Typer's formatter takes no terminal to be narrower
 INDENT_COLUMNS = 6  # of a sentence that stands below its name
+WHOLE_HYPHEN = "\N{NON-BREAKING HYPHEN}"  # stands for a hyphen while lines are broken
 CONTEXT = {"max_content_width": MOST_COLUMNS}
 
 
 # The class has no public name.
-class NarrowFormatter(Context.formatter_class):  # type: ignore[misc, valid-type]
-    """A formatter that fits any terminal; on a narrow one a sentence stands below its name."""
+class HelpFormatter(Context.formatter_class):  # type: ignore[misc, valid-type]
+    """A formatter that fits any terminal; on a narrow one a sentence stands below its name.
+
+    No line ends inside a word, such as a name with hyphens.
+    """
 
     def __init__(self, **settings: Any) -> None:
         columns = shutil.get_terminal_size().columns
         self.narrow = columns < NARROW_COLUMNS
         super().__init__(**settings | ({"width": columns - 1} if self.narrow else {}))
 
+    def write(self, string: str) -> None:
+        """Write a piece of text as it is."""
+        super().write(string.replace(WHOLE_HYPHEN, "-"))
+
+    def write_text(self, text: str) -> None:
+        """Write paragraphs."""
+        super().write_text(text.replace("-", WHOLE_HYPHEN))
+
     def write_dl(self, rows: Any, col_max: int = 30, col_spacing: int = 2) -> None:
         """Write a list of names, each with its sentence."""
         if self.narrow:
             col_max = INDENT_COLUMNS - col_spacing - self.current_indent
-        super().write_dl(rows, col_max, col_spacing)
+        whole = [(name, sentence.replace("-", WHOLE_HYPHEN)) for name, sentence in rows]
+        super().write_dl(whole, col_max, col_spacing)
 
 
 class HelpContext(Context):
     """The context of a verb whose help fits the terminal."""
 
-    formatter_class = NarrowFormatter
+    formatter_class = HelpFormatter
 
 
 class SentenceGroup(TyperGroup):

@@ -38,8 +38,12 @@ class Pace:
     def left_s(self, now_s: float, done: float, total: float) -> float | None:
         """The time until `total` [s]; None while nothing says."""
         samples = self._samples
-        if samples and done < samples[-1][1]:
-            samples.clear()  # another part began, or a worker was killed
+        # A worker was killed, or a finished part is not counted yet: what was done of it is not.
+        first_s = samples[0][0] if samples else now_s
+        while samples and samples[-1][1] > done:
+            samples.pop()
+        if not samples and first_s < now_s:
+            samples.append((first_s, done))
         if done > 0 and (not samples or now_s >= samples[-1][0] + SAMPLE_S):
             samples.append((now_s, done))
         while len(samples) > 2 and samples[0][0] < now_s - WINDOW_S:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from pjpdaf.arrays import Floats
+from pjpdaf.tracker.hypotheses.activity import share_of_motion, speed_after, tempered
 from pjpdaf.tracker.hypotheses.candidates import HALF, OTHER_HALF
+from pjpdaf.tracker.hypotheses.coasting import coasted, learnt_velocity
 from pjpdaf.tracker.hypotheses.motion import correct, log_likelihood, spread, steps
 from pjpdaf.tracker.hypotheses.pairs import Pairs
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
@@ -30,7 +32,8 @@ class Hypothesis:
     cost: negative log-odds of motion and looks; evidence: of the sleeves, which fades; means (2, 3)
     [m] right, left; covariances (2, 3, 3) [m^2]; unseen_s (2,); parent: index of the hypothesis of
     the frame before that it comes from; halves: whether the latest sighting of right and left is
-    half of a merged blob.
+    half of a merged blob; speed_mps: of the hands lately, root mean square; velocities (2, 3)
+    [m/s] of each.
     """
 
     cost: float
@@ -40,6 +43,8 @@ class Hypothesis:
     unseen_s: Floats
     parent: int = 0
     halves: tuple[bool, bool] = (False, False)
+    speed_mps: float = 0.0
+    velocities: Floats = field(default_factory=lambda: np.zeros((2, 3)))
 
     @property
     def total(self) -> float:
@@ -107,7 +112,12 @@ def grow(
     sleeve = against_right[:, None] + against_left[None, :]
     kept = np.array([h.evidence for h in hypotheses]) * _kept_share(seen.odds, dt_s, p)
     base = np.array([h.cost for h in hypotheses])[:, None, None] + joint[None]
-    base = base + each[:, 0, :, None] + each[:, 1, None, :]
+    # Hidden hands have no place: motion says nothing of them.
+    both = each[:, 0, :, None] + each[:, 1, None, :]
+    speeds, totals = [h.speed_mps for h in hypotheses], [h.total for h in hypotheses]
+    share = share_of_motion(speeds, totals, _told(seen.odds, p), dt_s, p.motion)
+    both[:, :n, :n] = tempered(each[:, :, :n], seen.pairs.points_m, seen.face_m[0], share)
+    base = base + both
     half = ((seen.pairs.part == HALF) | (seen.pairs.part == OTHER_HALF)).any(axis=1).tolist()
     half += [False] * (k + 1)
     total = base + kept[:, None, None] + sleeve[None]
@@ -121,7 +131,7 @@ def grow(
     best = best[np.argsort(flat[best], kind="stable")]
     best = best[flat[best] < flat[best[0]] + LARGEST_COST]
     grown: list[Hypothesis] = []
-    moved: dict[tuple[int, int, int], tuple[Floats, Floats, float]] = {}
+    moved: dict[tuple[int, int, int], tuple[Floats, Floats, float, Floats]] = {}
     for index in best:
         k, right, left = (int(i) for i in np.unravel_index(index, total.shape))
         for side, choice in enumerate((right, left)):
@@ -136,7 +146,12 @@ def grow(
         evidence = float(kept[k] + sleeve[right, left])
         cost = float(base[k, right, left])
         halves = half[right], half[left]
-        grown.append(Hypothesis(cost, evidence, means, covariances, unseen, k, halves))
+        velocities = np.array([hand[3] for hand in hands])
+        of, before = hypotheses[k], hypotheses[k].speed_mps
+        speed = speed_after(before, of.means, means, unseen == 0, dt_s, p.motion.speed_memory_s)
+        grown.append(
+            Hypothesis(cost, evidence, means, covariances, unseen, k, halves, speed, velocities)
+        )
         if len(grown) == p.hypotheses:
             break
     least_cost, least_evidence = min(h.cost for h in grown), min(h.evidence for h in grown)
@@ -153,11 +168,16 @@ def _kept_share(odds: Floats, dt_s: float, p: HypothesisParameters) -> float:
     It fades as far as this frame brings evidence of its own, which repeats it; a frame without any
     leaves what was known.
     """
-    s = p.sleeve
-    if not len(odds) or s.sleeve_clip <= 0:
-        return 1.0
-    fade = float(np.exp(-dt_s / s.memory_s)) if s.memory_s > 0 else 0.0
-    return 1.0 - (1.0 - fade) * min(float(np.abs(odds).max()) / s.sleeve_clip, 1.0)
+    memory_s = p.sleeve.memory_s
+    fade = float(np.exp(-dt_s / memory_s)) if memory_s > 0 else 0.0
+    return 1.0 - (1.0 - fade) * _told(odds, p)
+
+
+def _told(odds: Floats, p: HypothesisParameters) -> float:
+    """How much evidence of right and left a frame brings, 1: the most that there can be."""
+    if not len(odds) or p.sleeve.sleeve_clip <= 0:
+        return 0.0
+    return min(float(np.abs(odds).max()) / p.sleeve.sleeve_clip, 1.0)
 
 
 def _alone(
@@ -199,12 +219,14 @@ def _moved(
     C: Floats,
     dt_s: float,
     p: HypothesisParameters,
-) -> tuple[Floats, Floats, float]:
-    """A hand after its choice: mean (3,), covariance (3, 3), time unseen."""
+) -> tuple[Floats, Floats, float, Floats]:
+    """A hand after its choice: mean (3,), covariance (3, 3), time unseen, velocity (3,)."""
     m = p.motion
     if choice >= len(points):
         P = h.covariances[side] + 0.5 * spread(dt_s, m.weights, m.deviations_m)
-        return h.means[side], np.minimum(P, LARGEST_VARIANCE_M2), float(h.unseen_s[side] + dt_s)
+        way, velocity = coasted(h.velocities[side], dt_s, m.coast_s)
+        unseen_s = float(h.unseen_s[side] + dt_s)
+        return h.means[side] + way, np.minimum(P, LARGEST_VARIANCE_M2), unseen_s, velocity
     mean, P = correct(
         h.means[side],
         h.covariances[side],
@@ -215,4 +237,9 @@ def _moved(
         m.deviations_m,
     )
     behind = choice == len(points) - 1  # the head: believed to be there, not seen
-    return mean, P, float(h.unseen_s[side] + dt_s) if behind else 0.0
+    if behind:
+        return mean, P, float(h.unseen_s[side] + dt_s), np.zeros(3)
+    if h.unseen_s[side] > 0:
+        return mean, P, 0.0, np.zeros(3)
+    moved_m = mean - h.means[side]
+    return mean, P, 0.0, learnt_velocity(h.velocities[side], moved_m, dt_s)

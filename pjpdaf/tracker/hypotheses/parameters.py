@@ -61,6 +61,16 @@ class MotionParameters:
     # The same of the head.
     head_weights: tuple[float, float] = (0.8, 0.2)
     head_deviations_m: tuple[float, float] = (0.012, 0.1)
+    # A hand that vanishes goes on for as long, ever slower; 0: it stays where it was seen [s].
+    coast_s: NotNegative = 0.35
+    # Movement from frame to frame at which motion counts half for the names of two places [m]; 0 =
+    # motion counts in full, however fast the hands are.
+    naming_step_m: NotNegative = 0.08
+    # Time over which the speed is a mean [s].
+    speed_memory_s: AboveZero = 0.3
+
+    def __post_init__(self) -> None:
+        check_bounds(OWNER, self)
 
 
 @dataclass(frozen=True)
@@ -204,6 +214,9 @@ class IdentityParameters:
     # Added to the log-odds of the exchanged hypotheses' weight: fitted, so that of the frames with
     # a stated probability of 20 % about 20 % are exchanged.
     exchange_log_odds: float = -0.4
+    # Probability that two fast hands in one blob are named wrongly, whatever the hypotheses say:
+    # fitted, 0 = no such doubt.
+    halves_doubt: NotNegative = 0.1
     # Time in which, both hands hidden, it comes to within 1/e of 1/2 [s], 0 = no such doubt.
     hidden_memory_s: NotNegative = 2.0
     # Speed at which hidden hands are taken to change places [m/s].

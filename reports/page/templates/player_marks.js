@@ -43,11 +43,25 @@ function drawBadges(ctx, words, { y: top, w, h }) {
   const most = w < 260 ? 1 : Math.max(1, Math.floor(h / 2 / (tall + 3)));
   const rest = words.length - most, lines = words.slice(0, most);
   if (rest > 0) lines[most - 1] += ` +${rest}`;
-  lines.forEach((text, n) => {
-    const y = top + 5 + n * (tall + 3);
-    ctx.fillStyle = "#c4161c"; ctx.fillRect(5, y, ctx.measureText(text).width + 10, tall);
-    ctx.fillStyle = "#fff"; ctx.fillText(text, 10, y + size + 2);
-  });
+  let y = top + 5;
+  for (const text of lines) {
+    const rows = rowsOf(ctx, text, w - 20), wide = Math.max(...rows.map((row) => ctx.measureText(row).width));
+    ctx.fillStyle = "#c4161c"; ctx.fillRect(5, y, wide + 10, tall + (rows.length - 1) * (size + 2));
+    ctx.fillStyle = "#fff";
+    rows.forEach((row, n) => ctx.fillText(row, 10, y + size + 2 + n * (size + 2)));
+    y += tall + (rows.length - 1) * (size + 2) + 3;
+  }
+}
+
+// The rows of a text that is broken between words.
+function rowsOf(ctx, text, room) {
+  const rows = [];
+  for (const word of text.split(" ")) {
+    const longer = rows.length ? `${rows.at(-1)} ${word}` : "";
+    if (longer && ctx.measureText(longer).width <= room) rows[rows.length - 1] = longer;
+    else rows.push(word);
+  }
+  return rows;
 }
 
 function nice(least) {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
+import cv2
 import numpy as np
 import pytest
 from ellipse_masks import HEAD, SIZE, drawn
@@ -42,6 +43,20 @@ def test_fragments_join_their_nearest_and_never_bridge_two_large_ones():
     assert areas == [160, 1600, 1664]
     plain = segments(mask, 150, False)
     assert sorted(np.bincount(plain.component).tolist()) == [1600, 1600]
+
+
+@pytest.mark.parametrize("radius", [4, 5, 6, 7])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_of_two_neighbours_at_the_same_distance_the_first_gets_the_fragment(radius, mirrored):
+    # The square root of 37 px^2; its last bit is of either kind, by the place in the picture.
+    mask = np.zeros((121, 121), np.uint8)
+    cv2.circle(mask, (60, 60), radius, 255, -1)
+    fragment, edge = np.count_nonzero(mask), 60 + radius + 6
+    mask[30:60, edge : edge + 20] = 255
+    mask[edge : edge + 20, 30:60] = 255
+    joined = segments(mask[:, ::-1].copy() if mirrored else mask, 300, True)
+    areas = [np.count_nonzero(joined.component == joined.component[at]) for at in (0, -1)]
+    assert areas == [600 + fragment, 600]
 
 
 def test_fragments_that_point_at_each_other_end():

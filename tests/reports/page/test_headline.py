@@ -51,16 +51,19 @@ def test_what_went_wrong_is_named_where_nothing_was_swapped_or_lost(episode_of, 
     centres = tools.paths(24, 3.0)
     far = centres.copy()
     far[::6, 0, 2] += 0.12  # now and then, so that the head is not lost
-    line = said(
-        tmp_path,
-        [
-            episode_of(far, centres_m=centres),
-            episode_of(tools.noisy(centres, 0), centres_m=centres, seed=1),
-        ],
-    )
+    episodes = [
+        episode_of(far, centres_m=centres),
+        episode_of(tools.noisy(centres, 0), centres_m=centres, seed=1),
+    ]
+    line = said(tmp_path, episodes)
     assert line.summary == "1 of 2 episodes went wrong"
     assert line.failed == (
         "No hands swapped, no target lost; under 95 % of the estimates within 100 mm in 1 of 2."
+    )
+    episodes.append(episode_of(centres[:, [0, 2, 1]], centres_m=centres, seed=2))
+    assert said(tmp_path, episodes, "more").failed == (
+        "Hands swapped in 1 of 3; a target lost in 1 of 3; "
+        "under 95 % of the estimates within 100 mm in 1 more."
     )
 
 

@@ -71,6 +71,21 @@ def test_the_pace_is_of_the_last_two_minutes():
     assert meter.figures() == f"230/1000 frames, {left_s // 60} min {left_s % 60} s left"
 
 
+def test_a_finished_part_that_is_not_counted_yet_does_not_change_the_pace():
+    running = [0]
+    meter, clock = metered(total=1000, running=lambda: running[0])
+    for _ in range(60):
+        clock.now_s += 2.0
+        running[0] += 1
+        meter.figures()
+    running[0] = 0
+    clock.now_s += 1.0
+    meter.figures()
+    meter.finish(60)
+    clock.now_s += 1.0
+    assert meter.figures() == "60/1000 frames, 31 min 20 s left"  # 2 s a frame
+
+
 @pytest.mark.parametrize("columns", [40, 60, 80, 120])
 def test_the_live_line_is_one_line_and_cuts_the_words_first(columns):
     meter, _ = metered()
