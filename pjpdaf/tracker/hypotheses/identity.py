@@ -1,13 +1,15 @@
-"""Doubt of right and left: as the hypotheses have it, and after both hands were hidden together."""
+"""Doubt of right and left: after both hands were hidden together, and of fast hands in one blob."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
+from pjpdaf.tracker.hypotheses.activity import share_of_motion
 from pjpdaf.tracker.hypotheses.hypothesis import Hypothesis
-from pjpdaf.tracker.hypotheses.parameters import IdentityParameters
+from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters, IdentityParameters
 
 LEAST = 1e-3  # less doubt than this is none
 
@@ -31,6 +33,20 @@ def hidden_doubt(
         return 0.5 + (before - 0.5) * math.exp(-dt_s / p.hidden_memory_s)
     doubt = min(shifted(before, -side), 0.5)
     return doubt if doubt > LEAST else 0.0
+
+
+def halves_doubt(hypotheses: Sequence[Hypothesis], dt_s: float, p: HypothesisParameters) -> float:
+    """Probability, at most 1/2, that hands in one blob were named wrongly, beside the hypotheses'.
+
+    Where the sleeves of such hands are wrong, or the blob is cut wrongly, nothing in the picture
+    shows it. hypotheses: of a frame, from the likeliest, dt_s after the frame before; of hands that
+    hardly move, motion knows the names.
+    """
+    if not all(hypotheses[0].halves):
+        return 0.0
+    speeds, costs = [h.speed_mps for h in hypotheses], [h.total for h in hypotheses]
+    share = share_of_motion(speeds, costs, 1.0, dt_s, p.motion)
+    return min(p.identity.halves_doubt * (1.0 - share), 0.5)
 
 
 def shifted(probability: float, log_odds: float) -> float:

@@ -214,6 +214,9 @@ class IdentityParameters:
     # Added to the log-odds of the exchanged hypotheses' weight: fitted, so that of the frames with
     # a stated probability of 20 % about 20 % are exchanged.
     exchange_log_odds: float = -0.4
+    # Probability that two fast hands in one blob are named wrongly, whatever the hypotheses say:
+    # fitted, 0 = no such doubt.
+    halves_doubt: NotNegative = 0.1
     # Time in which, both hands hidden, it comes to within 1/e of 1/2 [s], 0 = no such doubt.
     hidden_memory_s: NotNegative = 2.0
     # Speed at which hidden hands are taken to change places [m/s].

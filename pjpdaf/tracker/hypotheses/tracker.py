@@ -33,7 +33,7 @@ from pjpdaf.tracker.hypotheses.hypothesis import (
     grow,
     nearest_choices,
 )
-from pjpdaf.tracker.hypotheses.identity import hidden_doubt
+from pjpdaf.tracker.hypotheses.identity import either, halves_doubt, hidden_doubt
 from pjpdaf.tracker.hypotheses.lag import Past, look_back
 from pjpdaf.tracker.hypotheses.missing_hand import hand_missing
 from pjpdaf.tracker.hypotheses.motion import spread
@@ -189,7 +189,8 @@ class HypothesisTracker:
         grown, chosen = grow(state.hypotheses, sightings, dt_s, p, only)
         side = _side_of(sightings, chosen)
         doubt = hidden_doubt(state.doubt, grown[0], side, dt_s, p.identity)
-        estimates = read_out(head, grown, state.estimates, self.views, dt_s, p, doubt)
+        stated = either(doubt, halves_doubt(grown, dt_s, p))
+        estimates = read_out(head, grown, state.estimates, self.views, dt_s, p, stated)
         after = HypothesisState(
             head,
             grown,
@@ -255,7 +256,8 @@ class HypothesisTracker:
         """Return the estimates of the first state in the knowledge of the later ones."""
         past = [Past(s.head, s.hypotheses, s.dt_s) for s in states]
         first = states[0]
-        return look_back(past, first.estimates, self.views, self.parameters, first.doubt)
+        stated = either(first.doubt, halves_doubt(first.hypotheses, first.dt_s, self.parameters))
+        return look_back(past, first.estimates, self.views, self.parameters, stated)
 
     def _pairs(
         self,

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from pjpdaf.tracker.hypotheses.hypothesis import Hypothesis
-from pjpdaf.tracker.hypotheses.identity import either, hidden_doubt, shifted
-from pjpdaf.tracker.hypotheses.parameters import IdentityParameters
+from pjpdaf.tracker.hypotheses.identity import either, halves_doubt, hidden_doubt, shifted
+from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters, IdentityParameters
 from tests.pjpdaf.tracker.hypotheses.test_tracker import FRAME_S, START_W, nothing, seen, tracker
 
 P = IdentityParameters(hidden_memory_s=2.0, hidden_speed_mps=0.5)
@@ -75,3 +77,15 @@ def test_the_tracker_states_it_while_nobody_is_seen():
     assert stated[-1] > 0.45
     _, estimates = one.step(state, seen(START_W), FRAME_S)
     assert estimates.exchange_probability > 0.45  # without sleeves nothing tells them apart
+
+
+def test_fast_hands_in_one_blob_may_be_named_wrongly():
+    p = HypothesisParameters(identity=IdentityParameters(halves_doubt=0.1))
+    rest = replace(hands((0.0, 0.0)), halves=(True, True))
+    fast = replace(rest, speed_mps=0.24)  # 80 mm in a frame: motion counts half
+    assert halves_doubt((rest,), FRAME_S, p) == 0.0
+    assert halves_doubt((fast,), FRAME_S, p) == pytest.approx(0.05)
+    assert halves_doubt((fast,), 1 / 30, p) < 0.001
+    assert halves_doubt((replace(fast, halves=(True, False)),), FRAME_S, p) == 0.0
+    off = replace(p, identity=IdentityParameters(halves_doubt=0.0))
+    assert halves_doubt((fast,), FRAME_S, off) == 0.0
