@@ -36,17 +36,20 @@ def joined(*settings: Settings) -> Settings:
     return {name: value for one in settings for name, value in one.items()}
 
 
-DETECTOR = tuple(
-    Part(name, {parameter: "false"})
-    for name, parameter in (
-        ("noise", "smooth_noise"),
-        ("chroma", "test_chroma"),
-        ("light", "balance_light"),
-        ("clothes", "split_clothes"),
-        ("the face where the head is expected", "expect_face"),
-        ("places that were uncovered", "drop_ghosts"),
-        ("rotation of the cameras", "align_views"),
-    )
+DETECTOR = (
+    *(
+        Part(name, {parameter: "false"})
+        for name, parameter in (
+            ("noise", "smooth_noise"),
+            ("chroma", "test_chroma"),
+            ("light", "balance_light"),
+            ("clothes", "split_clothes"),
+            ("the face where the head is expected", "expect_face"),
+            ("places that were uncovered", "drop_ghosts"),
+            ("rotation of the cameras", "align_views"),
+        )
+    ),
+    Part("deep shadows", {"shadow_min": "0.5"}),
 )
 # A hand that costs this much is never chosen.
 NEVER = "1e6"

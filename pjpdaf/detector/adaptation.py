@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from pjpdaf.detector.background import BackgroundParameters
 from pjpdaf.detector.parameters import DetectorParameters
 
 
@@ -31,4 +32,8 @@ class AdaptationParameters:
 class BlobDetectorParameters(DetectorParameters):
     """Parameters of the blob detector: the thesis's, and which adaptions are on."""
 
+    # Beside a strong lamp a shadow keeps less than half of the light.
+    background: BackgroundParameters = field(
+        default_factory=lambda: BackgroundParameters(shadow_min=0.3)
+    )
     adaptation: AdaptationParameters = field(default_factory=AdaptationParameters)

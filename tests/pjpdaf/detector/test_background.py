@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pjpdaf.detector.adaptation import BlobDetectorParameters
 from pjpdaf.detector.background import (
     UNIFORM_SD_DEG,
     Background,
@@ -162,3 +163,15 @@ def test_too_few_frames_is_one_line():
 def test_pictures_of_two_sizes_are_refused():
     with pytest.raises(BenchError, match="one size, got 160x120 and 8x4"):
         learn([scene().astype(np.uint8), np.zeros((4, 8, 3), np.uint8)])
+
+
+def test_a_deep_shadow_is_not_foreground_where_shadows_may_be_deep():
+    rng = np.random.default_rng(6)
+    background = learn(noisy(scene(), rng) for _ in range(12))
+    shaded = scene()
+    shaded[70:110, 10:70] *= 0.4
+    picture = noisy(shaded, rng)
+    inside = (slice(70, 110), slice(10, 70))
+    deep = prepared(background, shadow_min=BlobDetectorParameters().background.shadow_min)
+    assert foreground(deep, picture)[inside].mean() < 0.02
+    assert foreground(prepared(background), picture)[inside].mean() > 0.9
