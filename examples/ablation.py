@@ -71,6 +71,7 @@ TRACKER = (
     Part("hands of bare arms that meet", {"middles": "false"}, joined(ENDS, HALVES)),
     Part("strips are no bare arms", {"arm_thickness_m": "0"}, ENDS),
     Part("a hand missing beside the head", {"missing_hand": "false"}, BESIDE),
+    Part("a head that came nearer", {"nearer_head": "false"}),
     Part("pieces of a bare arm at the start", {"arm_pieces": "false"}),
     Part("blobs that no arm joins to the person", {"apart": "0"}),
     Part("middle of the palm", {"palm": "0"}),

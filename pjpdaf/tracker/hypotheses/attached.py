@@ -17,7 +17,7 @@ from pjpdaf.tracker.hypotheses.pairs import Pairs
 
 GAP_M = 0.02  # that the silhouette may have between hand and head
 HEAD_M = 0.08  # from the head's centre: what is foreground there is the head
-MEMORY = 0.1  # share of a frame in the mean that says whether this person's hands hang on it
+MEMORY_S = 3.2  # of the mean that says whether this person's hands hang on it
 
 
 def attached(seen: tuple[Blobs, ...], head_m: Floats, views: Views) -> list[NDArray[np.bool_]]:
@@ -66,14 +66,18 @@ def apart_cost(pairs: Pairs, hangs: list[NDArray[np.bool_]], share: float, cost:
 
 
 def learnt_share(
-    share: float, pairs: Pairs, chosen: tuple[int, int], hangs: list[NDArray[np.bool_]]
+    share: float,
+    pairs: Pairs,
+    chosen: tuple[int, int],
+    hangs: list[NDArray[np.bool_]],
+    dt_s: float,
 ) -> float:
-    """The share of hands that hang on the person, after those that were chosen in a frame."""
+    """The share of hands that hang on the person, after those chosen in a frame dt_s later."""
     of = [k for k in chosen if k < len(pairs)]
     if not of:
         return share
     now = float((apart_cost(pairs[np.array(of)], hangs, 1.0, 1.0) == 0).mean())
-    return share + MEMORY * (now - share)
+    return share + (1.0 - float(np.exp(-dt_s / MEMORY_S))) * (now - share)
 
 
 def _cells(

@@ -30,9 +30,8 @@ def nearer_head(
     """The places, with whole blobs for the head where both views show one of its size.
 
     area_m2, shape_m2 (2, 2): area and second moments of the free head; most_ratio: of a blob's area
-    to it, at the depth that the centroids
-    of both blobs have; residual_px: the largest, of views that agree. Places of which one is free
-    or not seen stay as they are.
+    to it, at the depth that the centroids of both blobs have; residual_px: the largest, of views
+    that agree. Places of which one is free or not seen stay as they are.
     """
     if any(place is None or place.free for place in places):
         return tuple(places)

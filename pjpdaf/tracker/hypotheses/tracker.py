@@ -191,6 +191,9 @@ class HypothesisTracker:
         doubt = hidden_doubt(state.doubt, grown[0], side, dt_s, p.identity)
         stated = either(doubt, halves_doubt(grown, dt_s, p))
         estimates = read_out(head, grown, state.estimates, self.views, dt_s, p, stated)
+        hanging = state.hanging
+        if hangs is not None:
+            hanging = learnt_share(hanging, pairs, chosen, hangs, dt_s)
         after = HypothesisState(
             head,
             grown,
@@ -200,7 +203,7 @@ class HypothesisTracker:
             dt_s,
             doubt,
             self._learnt_skew(state, pairs, chosen, seen, dt_s),
-            state.hanging if hangs is None else learnt_share(state.hanging, pairs, chosen, hangs),
+            hanging,
         )
         return after, estimates
 

@@ -80,7 +80,11 @@ def test_of_a_person_whose_arms_are_never_seen_nothing_is_asked():
     hangs = attached(both(arm=False), HEAD_M, VIEWS)
     of, share = pairs((1, 1), (2, 2)), 1.0
     for _ in range(8):
-        share = learnt_share(share, of, (0, 1), hangs)
+        share = learnt_share(share, of, (0, 1), hangs, 1 / 3)
     assert share < 0.5
+    often = 1.0
+    for _ in range(80):
+        often = learnt_share(often, of, (0, 1), hangs, 1 / 30)
+    assert often == pytest.approx(share)
     np.testing.assert_array_equal(apart_cost(of, hangs, share, 6.0), 0.0)
-    assert learnt_share(share, of, (2, 3), hangs) == share  # at the face, unseen
+    assert learnt_share(share, of, (2, 3), hangs, 1 / 3) == share  # at the face, unseen
