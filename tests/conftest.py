@@ -12,6 +12,10 @@ import pytest
 # Last: tests/pjpdaf must not hide the package pjpdaf.
 sys.path.append(str(Path(__file__).parent))
 
+# What is printed is that of a plain terminal, wherever the tests are started.
+for variable in ("TERM", "COLUMNS", "LINES", "NO_COLOR", "FORCE_COLOR"):
+    os.environ.pop(variable, None)
+
 # Tests render what they say that they render, and leave the user's cache alone.
 os.environ["PJPDAF_BENCH_CACHE"] = "off"
 
