@@ -80,7 +80,8 @@ class BlobDetector:
         )
         object.__setattr__(self, "_tests", tuple(prepare(b, quiet) for b in self.small))
         object.__setattr__(self, "_chroma", tuple(ChromaTest.of(b) for b in self.small))
-        object.__setattr__(self, "_ghosts", tuple(GhostTest.of(b) for b in self.small))
+        watched = self.small if self.adaptation.drop_ghosts else ()
+        object.__setattr__(self, "_ghosts", tuple(GhostTest.of(b) for b in watched))
 
     @staticmethod
     def of(cameras: tuple[Camera, ...], parameters: DetectorParameters) -> BlobDetector:
@@ -179,7 +180,7 @@ class BlobDetector:
         """Clothes of the colour of skin and ghosts in the reduced picture, None without any."""
         cloth = self._cloth(number, view, face)
         ghost = self._ghosts[number](view.small) if self._ghosts else None
-        if ghost is None or not self.adaptation.drop_ghosts:
+        if ghost is None:
             return cloth
         return ghost if cloth is None else np.asarray(ghost | cloth)
 
@@ -204,9 +205,9 @@ class BlobDetector:
         picture = view.picture
         balance = face is not None and self.adaptation.balance_light and not face.fits
         balanced = to_reference(picture, face) if face is not None and balance else None
-        cloth = self._no_skin(number, view, face)
+        no_skin = self._no_skin(number, view, face)
         least = min_area_px(p.components, camera, predicted)
-        seen = self.base.segment(number, picture, least, balanced, view.coloured, cloth)
+        seen = self.base.segment(number, picture, least, balanced, view.coloured, no_skin)
         turn = self.alignment.homography(camera) if self.alignment and number == 1 else None
         mask = np.zeros(seen.size, np.uint8)
         mask[seen.points[:, 1], seen.points[:, 0]] = 255

@@ -100,19 +100,19 @@ class SkinDetector:
         min_area_px: float,
         balanced: np.ndarray | None = None,
         coloured: np.ndarray | None = None,
-        cloth: np.ndarray | None = None,
+        no_skin: np.ndarray | None = None,
     ) -> Segments:
         """Return accepted skin pixels of a view's picture as it is searched, by component.
 
         balanced: the same picture in the light of the skin range, for the test of skin alone.
         coloured: uint8 (h, w), 0 or 1, a reduced picture's foreground by another test.
-        cloth: likewise, its clothes of the colour of skin.
+        no_skin: likewise, what has the colour of skin and is none: clothes, uncovered background.
         """
         p = self.parameters
         hsv = to_hsv(picture)
         mask = skin_mask(hsv if balanced is None else to_hsv(balanced), p.skin)
-        if cloth is not None:
-            mask[_enlarged(cloth, hsv) > 127] = 0
+        if no_skin is not None:
+            mask[_enlarged(no_skin, hsv) > 127] = 0
         if self._tests:
             at = np.flatnonzero(mask.view(np.bool_))
             same = at[~is_foreground(self._tests[view], hsv, at)]

@@ -71,8 +71,10 @@ def follow_head(
     looked_for = track if known_m is None else replace(track, mean=known_m)
     places = head_places(looked_for, seen, views, joined)
     if p.candidates.nearer_head and not any(joined):
-        size, most_px = (track.area_m2, track.shape_m2), RESIDUAL_PX * views.scale
-        places = nearer_head(places, seen, views, *size, MERGED_RATIO, most_px)
+        most_px = RESIDUAL_PX * views.scale
+        places = nearer_head(
+            places, seen, views, track.area_m2, track.shape_m2, MERGED_RATIO, most_px
+        )
     sighting = _sighting(track, places, views, p)
     m = p.motion
     if sighting is None:
