@@ -46,7 +46,8 @@ def cap_text(judged: MetricVerdict | GroupDifference, name: str = "") -> str:
         return ""
     n = judged.difference.n if isinstance(judged, MetricVerdict) else judged.episodes
     reach = f"{number(judged.metric.reach)}{unit_text(judged.metric)}"
-    return f"{judged.capped} of {n} differences of {name or judged.metric.name} are capped at {reach}"
+    name = name or judged.metric.name
+    return f"{judged.capped} of {n} differences of {name} are capped at {reach}"
 
 
 def unit_text(metric: Metric) -> str:
