@@ -173,7 +173,9 @@ class BlobDetector:
             coloured = self._chroma[view](small)
             person |= opened(coloured)
         focal_px = self._small_focal_px(view, picture)
-        face = face_of(small, person, self._chroma[view].median, focal_px, expected)
+        chroma = self._chroma[view].median
+        shoulders = self.adaptation.to_shoulders
+        face = face_of(small, person, chroma, focal_px, expected, shoulders)
         return View(picture, small, person, coloured, face)
 
     def _no_skin(self, number: int, view: View, face: Face | None) -> np.ndarray | None:
@@ -193,7 +195,8 @@ class BlobDetector:
         small = to_reference(view.small, face) if balance else view.small
         skin = (skin_mask(to_hsv(small), p.skin) > 0) & (view.person > 0)
         smooth = smoothed(view.small.astype(np.float32))
-        return cloth_mask(smooth, skin, face, self._small_focal_px(number, view.picture))
+        focal_px = self._small_focal_px(number, view.picture)
+        return cloth_mask(smooth, skin, face, focal_px, self.adaptation.clear_clothes)
 
     def _small_focal_px(self, number: int, picture: np.ndarray) -> float:
         return float(self.base.cameras[number].K[0, 0]) / reduction(picture.shape[1])

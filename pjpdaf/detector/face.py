@@ -16,6 +16,7 @@ import numpy as np
 
 from pjpdaf.arrays import Bools, Floats
 from pjpdaf.detector.chroma import log_chroma
+from pjpdaf.detector.shoulders import rows_of_head
 
 REFERENCE_BGR = (79.0, 101.0, 142.0)  # of skin in the middle of the fixed range
 HEAD_M, HALF_HEAD_M = 0.27, 0.10  # height below the silhouette's top, half width
@@ -82,14 +83,15 @@ def face_of(
     background_chroma: Floats,
     focal_px: float,
     expected: ExpectedHead | None = None,
+    to_shoulders: bool = True,
 ) -> Face | None:
     """Find the face's colour in a reduced picture uint8 (h, w, 3), None where no head shows.
 
     foreground: uint8 (h, w), non-zero where the person is; background_chroma (2,): of the scene;
     focal_px: of the reduced picture. expected: the silhouette's top counts only if it is there:
-    another person may stand taller.
+    another person may stand taller. to_shoulders: the head ends where the silhouette widens.
     """
-    inside = _head_box(foreground, focal_px / USUAL_DEPTH_M)
+    inside = _head_box(foreground, focal_px / USUAL_DEPTH_M, to_shoulders)
     if expected is not None and (inside is None or not expected.near(inside)):
         inside = expected.box(foreground)
     if inside is None:
@@ -122,7 +124,7 @@ def face_of(
     return Face(np.array(bgr), int(near.sum()))
 
 
-def _head_box(foreground: np.ndarray, metre_px: float) -> Bools | None:
+def _head_box(foreground: np.ndarray, metre_px: float, to_shoulders: bool) -> Bools | None:
     """Foreground below the top of the largest component, bool (h, w)."""
     size = 2 * round(JOIN_M * metre_px) + 1
     near = cv2.dilate(foreground, np.ones((size, size), np.uint8))
@@ -137,6 +139,8 @@ def _head_box(foreground: np.ndarray, metre_px: float) -> Bools | None:
     top, height = int(rows[0]), max(int(HEAD_M * metre_px), 4)
     columns = np.flatnonzero(person[top : top + height // 3 + 1].any(axis=0))
     middle, half = float(np.median(columns)), HALF_HEAD_M * metre_px
+    if to_shoulders:
+        height = rows_of_head(person, top, height, middle, metre_px)
     box: Bools = np.zeros(person.shape, np.bool_)
     box[top : top + height, max(int(middle - half), 0) : int(middle + half) + 1] = True
     box &= person
