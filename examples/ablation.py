@@ -80,6 +80,7 @@ TRACKER = (
     Part("middle of the palm", {"palm": "0"}),
     Part("sleeves", SLEEVES),
     Part("fingers", {"finger_weight": "0"}, SLEEVES),
+    Part("fingers of hands in one blob", {"half_fingers": "0"}, joined(SLEEVES, HALVES)),
     Part("direction of bare arms", {"bare_arm_fingers": "0"}, joined(SLEEVES, ENDS)),
     Part("skin that a sleeve would hide", {"covered_skin": "0"}, SLEEVES),
     Part("fading evidence", {"memory_s": "1e9"}, SLEEVES),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,4 +18,4 @@ class StereoFrame:
 
     index: int
     time_s: float
-    pictures: tuple[np.ndarray | None, ...]
+    pictures: Sequence[np.ndarray | None]

@@ -18,12 +18,21 @@ from pjpdaf.detector.alignment import Alignment, align, moved
 from pjpdaf.detector.background import Background, BackgroundSums, BackgroundTest, prepare
 from pjpdaf.detector.chroma import ChromaTest, smoothed
 from pjpdaf.detector.cloth import cloth_mask
-from pjpdaf.detector.components import Segments, min_area_px
+from pjpdaf.detector.components import Segments
 from pjpdaf.detector.detector import SkinDetector
 from pjpdaf.detector.ellipses import ellipse_axes, moments, undistort_moments
 from pjpdaf.detector.exposure import Exposure, exposure_of
-from pjpdaf.detector.face import ExpectedHead, Face, face_of, mean_face, to_reference
+from pjpdaf.detector.face import (
+    ExpectedHead,
+    Face,
+    HeadPlace,
+    face_in,
+    head_place,
+    mean_face,
+    to_reference,
+)
 from pjpdaf.detector.ghost import GhostTest
+from pjpdaf.detector.guidance import ANY, Guidance, Scope
 from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.detector.silhouette import foreground, opened, reduced, reduction, silhouette, turned
 from pjpdaf.detector.skin import skin_mask, to_hsv
@@ -41,7 +50,7 @@ QUIETER = 0.8, 0.6  # floors of the deviations of S and V: averaging takes most 
 
 class View(NamedTuple):
     """A view: picture uint8 (h, w, 3) as searched, and reduced; foreground, and that by chroma,
-    uint8, None before a background is learnt; face.
+    uint8, None before a background is learnt; face, and where it was looked for.
     """
 
     picture: np.ndarray
@@ -49,6 +58,7 @@ class View(NamedTuple):
     person: np.ndarray | None
     coloured: np.ndarray | None
     face: Face | None
+    place: HeadPlace | None
 
 
 @final
@@ -135,21 +145,45 @@ class BlobDetector:
 
         Raises BenchError for a picture of the wrong size or type; a missing picture is `missing`.
         """
+        return self.detect(frame, predicted)[0]
+
+    @property
+    def recipe(self) -> str:
+        """All parameters, as a text."""
+        return repr((type(self).__name__, self.base.recipe, self.adaptation))
+
+    def guidance(self, predicted: Estimates | None) -> tuple[Guidance, ...]:
+        """Return what each view's detections take from a prediction."""
+        return tuple(
+            Guidance(area.min_area_px, self._expected(view, predicted))
+            for view, area in enumerate(self.base.guidance(predicted))
+        )
+
+    def detect(
+        self, frame: StereoFrame, predicted: Estimates | None = None
+    ) -> tuple[tuple[Detections, ...], tuple[Scope, ...]]:
+        """Return the detections of each view, and the guidance for which each is the same.
+
+        The face is that of all views: a frame's detections are the same where all scopes hold.
+        """
         pictures = [
             picture if picture is None or not self.exposures else self.exposures[view](picture)
             for view, picture in enumerate(self.base.checked(frame))
         ]
+        guidance = self.guidance(predicted)
         views = [
-            None if p is None else self._view(v, p, self._expected(v, predicted))
+            None if p is None else self._view(v, p, guidance[v].head)
             for v, p in enumerate(pictures)
         ]
         face = mean_face([v.face for v in views if v is not None and v.face is not None])
-        return tuple(
-            Detections.none(missing=True)
+        found = [
+            (Detections.none(missing=True), ANY)
             if view is None
-            else self._detect(number, view, face, predicted)
+            else self._detect(number, view, face, guidance[number].min_area_px)
             for number, view in enumerate(views)
-        )
+        ]
+        detections, scopes = zip(*found, strict=True)
+        return detections, scopes
 
     def _expected(self, view: int, predicted: Estimates | None) -> ExpectedHead | None:
         """Where the reduced picture of a view shows the head, None where it is not tracked."""
@@ -166,17 +200,17 @@ class BlobDetector:
     def _view(self, view: int, picture: np.ndarray, expected: ExpectedHead | None) -> View:
         small = reduced(picture)
         if not self._tests:
-            return View(picture, small, None, None, None)
+            return View(picture, small, None, None, None, None)
         hsv = to_hsv(small)
         person, coloured = foreground(hsv, self._tests[view]), None
         if self.adaptation.test_chroma:
             coloured = self._chroma[view](small)
             person |= opened(coloured)
         focal_px = self._small_focal_px(view, picture)
-        chroma = self._chroma[view].median
         shoulders = self.adaptation.to_shoulders
-        face = face_of(small, person, chroma, focal_px, expected, shoulders)
-        return View(picture, small, person, coloured, face)
+        place, inside = head_place(person, focal_px, expected, shoulders)
+        face = None if inside is None else face_in(inside, small, self._chroma[view].median)
+        return View(picture, small, person, coloured, face, place)
 
     def _no_skin(self, number: int, view: View, face: Face | None) -> np.ndarray | None:
         """Clothes of the colour of skin and ghosts in the reduced picture, None without any."""
@@ -202,15 +236,15 @@ class BlobDetector:
         return float(self.base.cameras[number].K[0, 0]) / reduction(picture.shape[1])
 
     def _detect(
-        self, number: int, view: View, face: Face | None, predicted: Estimates | None
-    ) -> Detections:
+        self, number: int, view: View, face: Face | None, min_area_px: float
+    ) -> tuple[Detections, Scope]:
         p, camera = self.base.parameters, self.base.cameras[number]
         picture = view.picture
         balance = face is not None and self.adaptation.balance_light and not face.fits
         balanced = to_reference(picture, face) if face is not None and balance else None
         no_skin = self._no_skin(number, view, face)
-        least = min_area_px(p.components, camera, predicted)
-        seen = self.base.segment(number, picture, least, balanced, view.coloured, no_skin)
+        seen = self.base.segment(number, picture, min_area_px, balanced, view.coloured, no_skin)
+        scope = Scope(seen.above_px, seen.upto_px, view.place)
         turn = self.alignment.homography(camera) if self.alignment and number == 1 else None
         mask = np.zeros(seen.size, np.uint8)
         mask[seen.points[:, 1], seen.points[:, 0]] = 255
@@ -220,14 +254,14 @@ class BlobDetector:
         if seen.count == 0:
             none = np.zeros((0, 2))
             nothing = BlobLooks((), 1.0, none, none, shape)
-            return dataclasses.replace(Detections.none(), looks=nothing)
+            return dataclasses.replace(Detections.none(), looks=nothing), scope
         fit = undistort_moments(camera, moments(seen.points, seen.component, seen.count))
         covariances = np.broadcast_to(p.centre_sd_px**2 * np.eye(2), (len(fit), 2, 2))
         pixels, each = _lattice(seen, camera)
         if turn is not None:
             fit = dataclasses.replace(fit, centres=moved(fit.centres, turn))
             pixels = tuple(moved(points, turn) for points in pixels)
-        return Detections(
+        found = Detections(
             fit.centres,
             covariances,
             ellipse_axes(fit),
@@ -235,6 +269,7 @@ class BlobDetector:
             mask=mask if self.base.keep_masks else None,
             looks=BlobLooks(pixels, each, *directions(seen), shape),
         )
+        return found, scope
 
 
 def _alignment(frames: list[StereoFrame], cameras: tuple[Camera, ...]) -> Alignment | None:

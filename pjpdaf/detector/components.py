@@ -42,13 +42,16 @@ class ComponentParameters:
 @dataclass(frozen=True, eq=False)
 class Segments:
     """Accepted skin pixels of one picture: points (n, 2) whole x, y; component (n,) in 0..count-1;
-    size (height, width) of the picture [px].
+    size (height, width) of the picture [px]. above_px, upto_px: any smallest area above the one and
+    up to the other gives the same components [px].
     """
 
     points: Ints
     component: Ints
     count: int
     size: tuple[int, int]
+    above_px: float = -math.inf
+    upto_px: float = math.inf
 
 
 def clean(mask: np.ndarray, open_px: int, close_px: int) -> np.ndarray:
@@ -96,14 +99,19 @@ def segments(mask: np.ndarray, min_area_px: float, merge_fragments: bool) -> Seg
     number[kept] = np.arange(len(kept))
     of_label = number[group]
     of_label[0] = -1
+    # The smallest area is compared with these, and only with these.
+    compared = np.concatenate([areas[1:], total[1:]])
+    above_px = float(compared[compared < min_area_px].max(initial=-math.inf))
+    upto_px = float(compared[compared >= min_area_px].min(initial=math.inf))
     if len(kept) == 0:
-        return Segments(np.zeros((0, 2), np.intp), np.zeros(0, np.intp), 0, size)
+        nothing = np.zeros((0, 2), np.intp), np.zeros(0, np.intp)
+        return Segments(*nothing, 0, size, above_px, upto_px)
     at = np.flatnonzero(labels.ravel())
     component = of_label[labels.ravel()[at]]
     inside = component >= 0
     at, component = at[inside], component[inside]
     points = np.column_stack([at % width + x0, at // width + y0])
-    return Segments(points, component, len(kept), size)
+    return Segments(points, component, len(kept), size, above_px, upto_px)
 
 
 def _join_fragments(labels: np.ndarray, stats: np.ndarray, min_area_px: float) -> Ints:

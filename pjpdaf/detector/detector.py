@@ -20,6 +20,7 @@ from pjpdaf.detector.background import (
 from pjpdaf.detector.clusters import cluster
 from pjpdaf.detector.components import Segments, clean, min_area_px, segments
 from pjpdaf.detector.ellipses import ellipse_axes, moments
+from pjpdaf.detector.guidance import ANY, Guidance, Scope
 from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.detector.skin import skin_mask, to_hsv
 from pjpdaf.detector.undistortion import Maps
@@ -86,12 +87,32 @@ class SkinDetector:
 
         Raises BenchError for a picture of the wrong size or type; a missing picture is `missing`.
         """
-        return tuple(
-            Detections.none(missing=True)
+        return self.detect(frame, predicted)[0]
+
+    @property
+    def recipe(self) -> str:
+        """All parameters, as a text."""
+        return repr((type(self).__name__, self.parameters, self.keep_masks))
+
+    def guidance(self, predicted: Estimates | None) -> tuple[Guidance, ...]:
+        """Return what each view's detections take from a prediction."""
+        p = self.parameters.components
+        return tuple(Guidance(min_area_px(p, camera, predicted)) for camera in self.cameras)
+
+    def detect(
+        self, frame: StereoFrame, predicted: Estimates | None = None
+    ) -> tuple[tuple[Detections, ...], tuple[Scope, ...]]:
+        """Return the detections of each view, and the guidance for which each is the same."""
+        found = [
+            (Detections.none(missing=True), ANY)
             if picture is None
-            else self._detect(view, picture, predicted)
-            for view, picture in enumerate(self.checked(frame))
-        )
+            else self._detect(view, picture, guidance)
+            for view, (picture, guidance) in enumerate(
+                zip(self.checked(frame), self.guidance(predicted), strict=True)
+            )
+        ]
+        detections, scopes = zip(*found, strict=True)
+        return detections, scopes
 
     def segment(
         self,
@@ -126,17 +147,21 @@ class SkinDetector:
         cleaned = clean(mask, p.components.open_px, p.components.close_px)
         return segments(cleaned, min_area_px, p.components.merge_fragments)
 
-    def _detect(self, view: int, picture: np.ndarray, predicted: Estimates | None) -> Detections:
+    def _detect(
+        self, view: int, picture: np.ndarray, guidance: Guidance
+    ) -> tuple[Detections, Scope]:
         p, camera = self.parameters, self.cameras[view]
-        seen = self.segment(view, picture, min_area_px(p.components, camera, predicted))
+        seen = self.segment(view, picture, guidance.min_area_px)
+        scope = Scope(seen.above_px, seen.upto_px)
         mask = _mask(seen) if self.keep_masks else None
         if seen.count == 0:
-            return dataclasses.replace(Detections.none(), mask=mask)
+            return dataclasses.replace(Detections.none(), mask=mask), scope
         labels = cluster(seen, p.clusters)
         fit = moments(seen.points, labels, int(labels.max()) + 1)
         fit = p.undistort.moments(camera, fit)
         covariances = np.broadcast_to(p.centre_sd_px**2 * np.eye(2), (len(fit), 2, 2))
-        return Detections(fit.centres, covariances, ellipse_axes(fit), fit.areas, mask=mask)
+        found = Detections(fit.centres, covariances, ellipse_axes(fit), fit.areas, mask=mask)
+        return found, scope
 
     def checked(self, frame: StereoFrame) -> tuple[np.ndarray | None, ...]:
         """Check the frame's pictures, and undistort them where whole pictures are undistorted."""

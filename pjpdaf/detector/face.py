@@ -62,40 +62,66 @@ class ExpectedHead(NamedTuple):
     centre_px: Floats
     metre_px: float
 
-    def near(self, box: Bools) -> bool:
-        """Whether the middle of a box, bool (h, w), is within ELSEWHERE_M."""
-        middle = [float(at.mean()) for at in np.nonzero(box)[::-1]]
-        return bool(np.hypot(*(middle - self.centre_px)) < ELSEWHERE_M * self.metre_px)
+    def near(self, middle_px: tuple[float, float]) -> bool:
+        """Whether a pixel is within ELSEWHERE_M."""
+        return bool(np.hypot(*(middle_px - self.centre_px)) < ELSEWHERE_M * self.metre_px)
 
-    def box(self, foreground: np.ndarray) -> Bools | None:
-        """Foreground of a head's size there, bool (h, w), None without any."""
+    def box(self) -> tuple[int, int, int, int]:
+        """Rows and columns of a head's size there, the first and the one after the last."""
         (x, y), half = self.centre_px, HALF_HEAD_M * self.metre_px
         up, down = y - 0.5 * HEAD_M * self.metre_px, y + 0.5 * HEAD_M * self.metre_px
-        box: Bools = np.zeros(foreground.shape, np.bool_)
-        box[max(int(up), 0) : max(int(down), 0), max(int(x - half), 0) : max(int(x + half), 0)] = 1
-        box &= foreground > 0
-        return box if box.any() else None
+        top, bottom, left, right = (max(int(side), 0) for side in (up, down, x - half, x + half))
+        return top, bottom, left, right
 
 
-def face_of(
-    small: np.ndarray,
+class HeadPlace(NamedTuple):
+    """Where a face was looked for in a reduced picture.
+
+    top_px: middle of the head's size below the silhouette's top, None without any; box: rows and
+    columns of the expected head (`ExpectedHead.box`) if it was there instead, None for the top.
+    """
+
+    top_px: tuple[float, float] | None = None
+    box: tuple[int, int, int, int] | None = None
+
+    def serves(self, expected: ExpectedHead | None) -> bool:
+        """Whether a face that is expected here is looked for in the same place."""
+        if expected is None:
+            return self.box is None
+        at_top = self.top_px is not None and expected.near(self.top_px)
+        return at_top if self.box is None else not at_top and expected.box() == self.box
+
+
+def head_place(
     foreground: np.ndarray,
-    background_chroma: Floats,
     focal_px: float,
     expected: ExpectedHead | None = None,
     to_shoulders: bool = True,
-) -> Face | None:
-    """Find the face's colour in a reduced picture uint8 (h, w, 3), None where no head shows.
+) -> tuple[HeadPlace, Bools | None]:
+    """Find where the head shows: the place, and its foreground, bool (h, w), None without any.
 
-    foreground: uint8 (h, w), non-zero where the person is; background_chroma (2,): of the scene;
-    focal_px: of the reduced picture. expected: the silhouette's top counts only if it is there:
-    another person may stand taller. to_shoulders: the head ends where the silhouette widens.
+    foreground: uint8 (h, w), non-zero where the person is; focal_px: of the reduced picture.
+    expected: the silhouette's top counts only if it is there: another person may stand taller.
+    to_shoulders: the head ends where the silhouette widens.
     """
-    inside = _head_box(foreground, focal_px / USUAL_DEPTH_M, to_shoulders)
-    if expected is not None and (inside is None or not expected.near(inside)):
-        inside = expected.box(foreground)
-    if inside is None:
-        return None
+    top = _top_of(foreground, focal_px / USUAL_DEPTH_M, to_shoulders)
+    top_px = None
+    if top is not None:
+        rows, columns = np.nonzero(top)
+        top_px = float(columns.mean()), float(rows.mean())
+    if expected is None or (top_px is not None and expected.near(top_px)):
+        return HeadPlace(top_px), top
+    up, down, left, right = box = expected.box()
+    inside: Bools = np.zeros(foreground.shape, np.bool_)
+    inside[up:down, left:right] = foreground[up:down, left:right] > 0
+    return HeadPlace(top_px, box), inside if inside.any() else None
+
+
+def face_in(inside: Bools, small: np.ndarray, background_chroma: Floats) -> Face | None:
+    """Find the face's colour in a reduced picture uint8 (h, w, 3), None where there is none.
+
+    inside: bool (h, w), where the head shows; background_chroma (2,): of the scene.
+    """
     size = int(inside.sum())
     colours = small[inside].astype(np.float32)
     value = colours.max(axis=1)
@@ -124,7 +150,7 @@ def face_of(
     return Face(np.array(bgr), int(near.sum()))
 
 
-def _head_box(foreground: np.ndarray, metre_px: float, to_shoulders: bool) -> Bools | None:
+def _top_of(foreground: np.ndarray, metre_px: float, to_shoulders: bool) -> Bools | None:
     """Foreground below the top of the largest component, bool (h, w)."""
     size = 2 * round(JOIN_M * metre_px) + 1
     near = cv2.dilate(foreground, np.ones((size, size), np.uint8))

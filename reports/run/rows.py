@@ -30,7 +30,8 @@ class EpisodeRows:
     frames, detections: columns of `FRAMES` and `DETECTIONS`; episodes: the three rows of
     `EPISODES`; events, cameras: rows of `EVENTS` and `CAMERAS`; tracking: the row of `TRACKING`,
     None for an episode without a result. stage_s: wall time of a stage summed over the frames [s],
-    in no table. truth: `motion_mark` of the true positions. renderer, replayed: as of `Episode`.
+    in no table. truth: `motion_mark` of the true positions. renderer, replayed,
+    detections_kept: as of `Episode`.
     """
 
     scenario: str
@@ -51,6 +52,7 @@ class EpisodeRows:
     film: tuple[Still, ...] = ()
     renderer: str = ""
     replayed: bool = False
+    detections_kept: bool = False
 
 
 def rows_of(played: Episode | EpisodeFailure) -> EpisodeRows:
@@ -88,4 +90,5 @@ def rows_of(played: Episode | EpisodeFailure) -> EpisodeRows:
         film=played.film,
         renderer=played.renderer,
         replayed=played.replayed,
+        detections_kept=played.detections_kept,
     )

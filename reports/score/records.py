@@ -56,7 +56,8 @@ class Episode:
     seed were thrown away because they could not be posed; film: some frames, or all of them.
     blame: (kind, target, first) of an event -> the stage at fault for it. budget_m: level of
     `BUDGET_LEVELS` -> error (F, T) [m], NaN where a level has none. renderer: description of the
-    OpenGL renderer of its pictures, "" where not known; replayed: they were in the cache.
+    OpenGL renderer of its pictures, "" where not known; replayed: they were in the cache;
+    detections_kept: so were all of its detections, whose time is that which they took once.
     Raises ValueError where views, targets or frames do not fit together.
     """
 
@@ -75,6 +76,7 @@ class Episode:
     budget_m: Mapping[str, Floats] = field(default_factory=dict)
     renderer: str = ""
     replayed: bool = False
+    detections_kept: bool = False
 
     def __post_init__(self) -> None:
         name = f"Episode {self.scenario!r} seed {self.seed}"

@@ -1,4 +1,4 @@
-"""The key of an episode's footage: everything that decides its pictures but the renderer."""
+"""Keys of an episode's footage, detections and film: everything that decides them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from reports.run.provenance import package_versions
-from scenarios.cache.sources import simulator_digest
+from scenarios.cache.sources import detector_digest, film_digest, simulator_digest
 from scenarios.spec.names import load_scenario
 from scenarios.spec.scenario import digest
 
@@ -48,6 +48,20 @@ def footage_key(episode_digest: str, twins: Sequence[str]) -> FootageKey:
             "machine": machine(),
         }
     )
+
+
+def detections_key(footage: FootageKey, renderer: str, recipe: str) -> Mapping[str, object]:
+    """The key of the detections in footage that a renderer drew.
+
+    recipe: of the detector, all of its parameters.
+    """
+    drawn = {"footage": footage.digest, "renderer": renderer}
+    return {**drawn, "recipe": recipe, "detector": detector_digest()}
+
+
+def film_key(footage: FootageKey, renderer: str) -> Mapping[str, object]:
+    """The key of the small film of footage that a renderer drew."""
+    return {"footage": footage.digest, "renderer": renderer, "film": film_digest()}
 
 
 @functools.cache

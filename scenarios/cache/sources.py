@@ -1,9 +1,9 @@
-"""The digest of all code that decides the pictures of an episode."""
+"""Digests of the code that decides the pictures of an episode, its detections, its film."""
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import sim
@@ -35,11 +35,57 @@ BUT_ALSO = (
     "sim/silhouettes/possible.py",
 )
 
+# What takes part in the presets' detections beside the pictures, and in keeping them.
+DETECTOR = (
+    "pjpdaf/detector",
+    "pjpdaf/arrays.py",
+    "pjpdaf/camera.py",
+    "pjpdaf/checks.py",
+    "pjpdaf/errors.py",
+    "pjpdaf/frames.py",
+    "pjpdaf/interfaces.py",
+    "pjpdaf/looks.py",
+    "pjpdaf/printable.py",
+    "pjpdaf/targets.py",
+    "scenarios/cache/answers.py",
+    "scenarios/cache/array_file.py",
+    "scenarios/play/kept_detections.py",
+)
+# What takes part in the small film of an episode, and in keeping it.
+FILM = (
+    "pjpdaf/arrays.py",
+    "pjpdaf/camera.py",
+    "pjpdaf/frames.py",
+    "reports/pictures/encode.py",
+    "reports/pictures/overlay.py",
+    "reports/pictures/stills.py",
+    "scenarios/cache/array_file.py",
+    "scenarios/play/kept_film.py",
+    "scenarios/play/pictures.py",
+)
+
 
 @functools.cache
 def simulator_digest() -> str:
     """SHA-256 of the sources of the simulator that is running."""
-    return sources_digest(Path(str(sim.__file__)).parent.parent)
+    return sources_digest(package_root())
+
+
+@functools.cache
+def detector_digest() -> str:
+    """SHA-256 of the sources of the presets' detectors."""
+    return files_digest(package_root(), map(package_root().joinpath, files_of(DETECTOR)))
+
+
+@functools.cache
+def film_digest() -> str:
+    """SHA-256 of the sources that draw small films."""
+    return files_digest(package_root(), map(package_root().joinpath, files_of(FILM)))
+
+
+def package_root() -> Path:
+    """The folder of the packages that are running."""
+    return Path(str(sim.__file__)).parent.parent
 
 
 def sources_digest(root: Path) -> str:
@@ -49,11 +95,20 @@ def sources_digest(root: Path) -> str:
 
 def simulator_files(root: Path) -> Iterator[str]:
     """Yield the simulator's files, relative to the folder of the packages."""
-    for name in (*SIMULATOR, *BUT_ALSO):
+    for below in files_of((*SIMULATOR, *BUT_ALSO), root):
+        apart = any(below.startswith(f"{folder}/") for folder in APART)
+        if not apart or below in BUT_ALSO:
+            yield below
+
+
+def files_of(names: Iterable[str], root: Path | None = None) -> Iterator[str]:
+    """Yield the files that are named or lie in named folders, but for compiled ones.
+
+    root: the folder that names start from, None for that of the running packages.
+    """
+    root = root or package_root()
+    for name in names:
         place = root / name
         for path in place.rglob("*") if place.is_dir() else (place,):
-            below = path.relative_to(root).as_posix()
-            compiled = "__pycache__" in path.parts
-            apart = any(below.startswith(f"{folder}/") for folder in APART)
-            if path.is_file() and not compiled and (not apart or below in BUT_ALSO):
-                yield below
+            if path.is_file() and "__pycache__" not in path.parts:
+                yield path.relative_to(root).as_posix()

@@ -8,15 +8,15 @@ from scenarios.cli.help import SentenceGroup
 
 app = typer.Typer(
     cls=SentenceGroup,
-    help="Rendered footage, kept so that it is rendered once. PJPDAF_BENCH_CACHE: its folder, or "
-    "off; PJPDAF_BENCH_CACHE_GB: its largest size [5].",
+    help="Rendered footage with its detections and films, kept so that each is made once. "
+    "PJPDAF_BENCH_CACHE: its folder, or off; PJPDAF_BENCH_CACHE_GB: its largest size [5].",
     no_args_is_help=True,
 )
 
 
 @app.command("info")
 def info() -> None:
-    """Folder, size, number of episodes, of which code and renderer; all are checked."""
+    """Folder, size, episodes of each kind, of which code and renderer; all are checked."""
     from scenarios.cache.report import info_lines, required_settings
 
     for line in info_lines(required_settings()):
@@ -28,9 +28,8 @@ def clear() -> None:
     """Remove all of it."""
     from rich.filesize import decimal
 
-    from reports.summary.text import count
-    from scenarios.cache.report import required_settings
-    from scenarios.cache.store import FootageCache
+    from scenarios.cache.folder import CacheFolder
+    from scenarios.cache.report import entries_text, required_settings
 
-    removed, size = FootageCache(required_settings()).clear()
-    typer.echo(f"removed: {count(removed, 'episode')}, {decimal(size)}")
+    removed = CacheFolder(required_settings()).clear()
+    typer.echo(f"removed: {entries_text(removed)}, {decimal(sum(e.bytes for e in removed))}")

@@ -19,6 +19,8 @@ from scenarios.play.blame import with_blame
 from scenarios.play.error_budget import with_error_budget
 from scenarios.play.footage import Footage, open_footage
 from scenarios.play.job import Job, System, digest_of
+from scenarios.play.kept_detections import watched
+from scenarios.play.kept_film import KeptFilm
 from scenarios.play.pictures import PictureCollector
 from scenarios.spec.draw import concrete
 from sim.recording.recording import Recording
@@ -67,8 +69,13 @@ def complete_episode(job: Job, footage: Footage) -> Episode:
     """Play footage; the episode with blame, error budget, pictures and film. Raises as `play`."""
     cameras = footage.calibration.cameras
     detector, tracker = make_system(job.system, footage.calibration, job.detections)
+    kept_film = KeptFilm(job, footage)
+    film = kept_film.read()
     collector = PictureCollector(
-        footage.rig.cameras, footage.frame_count, pictures=job.keep_pictures, film=job.keep_film
+        footage.rig.cameras,
+        footage.frame_count,
+        pictures=job.keep_pictures,
+        film=job.keep_film and film is None,
     )
     seen: list[tuple[Detections, ...]] = []  # with the looks, which the episode does not keep
 
@@ -79,7 +86,11 @@ def complete_episode(job: Job, footage: Footage) -> Episode:
     episode = play_footage(job, footage, detector, tracker, keep)
     episode = with_blame(episode, cameras, tracker, seen, job.system.lag)
     episode = with_error_budget(episode, cameras, tracker, seen, job.system.lag)
-    return with_origin(collector.added_to(episode), footage)
+    episode = with_origin(collector.added_to(episode), footage)
+    if film is not None:
+        return replace(episode, film=film)
+    kept_film.write(episode.film)
+    return episode
 
 
 def with_origin(episode: Episode, footage: Footage) -> Episode:
@@ -97,18 +108,22 @@ def play_footage(
 ) -> Episode:
     """Detect and track in all frames; the bare episode. Raises what a plug-in raises.
 
+    Kept detections (`watched`) have the times that they took once.
+
     detector: its background is learnt here; on_frame: called for every frame, with its truth.
     """
     outcomes = []
-    learnt = detector.learn(footage.background())
-    # Frames and truths apart: neither detector nor tracker is near the truth.
-    for_loop, for_scores = itertools.tee(footage.frames())
-    steps = follow((frame for frame, _ in for_loop), learnt, tracker, job.system.lag)
-    for step, (_, truth) in zip(steps, for_scores, strict=False):
-        outcomes.append(outcome_of(step, truth))
-        on_frame(step, truth)
-        count_step()
-    return episode_of(job, footage.rig.cameras, footage.fps, outcomes, footage.redrawn)
+    with watched(job, footage, detector) as (learnt, frames, reused_s):
+        # Frames and truths apart: neither detector nor tracker is near the truth.
+        for_loop, for_scores = itertools.tee(frames)
+        steps = follow((frame for frame, _ in for_loop), learnt, tracker, job.system.lag)
+        for step, (_, truth) in zip(steps, for_scores, strict=False):
+            detect_s = reused_s.get(step.frame.index, step.detect_s)
+            outcomes.append(outcome_of(replace(step, detect_s=detect_s), truth))
+            on_frame(step, truth)
+            count_step()
+    episode = episode_of(job, footage.rig.cameras, footage.fps, outcomes, footage.redrawn)
+    return replace(episode, detections_kept=len(reused_s) == len(outcomes))
 
 
 def outcome_of(step: FollowedFrame, truth: Truth) -> FrameOutcome:

@@ -156,7 +156,8 @@ def _check_equal(
 
 def _lasting(rows: EpisodeRows) -> bytes:
     """An episode as bytes, without what differs each time that it is played."""
-    return rows_to_bytes(replace(rows, stage_s={}, replayed=False, film=()))
+    lasting = replace(rows, stage_s={}, film=(), replayed=False, detections_kept=False)
+    return rows_to_bytes(lasting)
 
 
 def _check_whole(parts: Sequence[_Part], jobs: Sequence[Job], rows: Mapping[int, object]) -> None:

@@ -11,6 +11,7 @@ import os
 import struct
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
+from functools import partial
 from pathlib import Path
 from typing import BinaryIO
 
@@ -21,9 +22,8 @@ from pjpdaf.errors import FileError
 from pjpdaf.frames import StereoFrame
 from sim.camera.stereo_sensor import Light, background_frames, sense
 from sim.recording.footer import Footer, read_footer
-from sim.recording.pictures import PictureDecoder
+from sim.recording.lights import LightReader, Pictures, PicturesOnDemand
 from sim.recording.truths import FRAME, FrameFacts, facts_from_bytes
-from sim.scene.world import CAMERAS
 from sim.truth import Truth
 
 MAGIC = b"PJPREC1\n"
@@ -86,16 +86,25 @@ class Recording(AbstractContextManager["Recording"]):
         footer, count = self.footer, self.footer.background_count
         if count == 0:
             return []
-        light = next(self._lights())
+        light = self._read(self._lights(), 0)
         return background_frames(light, count, footer.fps, footer.sensor, footer.seed)
 
     def frames(self) -> Iterator[tuple[StereoFrame, Truth]]:
         """Yield all frames in order with their truth, as `sim.sequence.Simulation.frames` does."""
         lights = self._lights()
-        if self.footer.background_count:
-            next(lights)
-        for facts, light in zip(self._facts, lights, strict=True):
-            yield self._frame(facts, light), facts.truth
+        for facts in self._facts:
+            pictures = self._pictures(facts, lights)
+            yield StereoFrame(facts.truth.index, facts.stamp_s, pictures), facts.truth
+
+    def frames_on_demand(self) -> Iterator[tuple[StereoFrame, Truth]]:
+        """Yield all frames in order with their truth; pictures are read when one is looked at.
+
+        That must happen before the recording is closed.
+        """
+        lights = self._lights()
+        for facts in self._facts:
+            pictures = PicturesOnDemand(partial(self._pictures, facts, lights))
+            yield StereoFrame(facts.truth.index, facts.stamp_s, pictures), facts.truth
 
     def close(self) -> None:
         """Close the file."""
@@ -104,29 +113,23 @@ class Recording(AbstractContextManager["Recording"]):
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _frame(self, facts: FrameFacts, light: Light) -> StereoFrame:
+    def _pictures(self, facts: FrameFacts, lights: LightReader) -> Pictures:
         index, footer = facts.truth.index, self.footer
+        light = self._read(lights, index + (footer.background_count > 0))
         pictures = sense(light, footer.sensor, footer.seed, index, facts.truth.time_s)
-        arrived = (p if came else None for p, came in zip(pictures, facts.arrived, strict=True))
-        return StereoFrame(index, facts.stamp_s, tuple(arrived))
+        return tuple(p if came else None for p, came in zip(pictures, facts.arrived, strict=True))
 
-    def _lights(self) -> Iterator[Light]:
-        """The light of the background, if there is any, and of every frame."""
-        camera = self.rig.left
-        decoders = [PictureDecoder(camera.height_px, camera.width_px) for _ in CAMERAS]
-        at = len(MAGIC)
-        sizes = iter(self.footer.block_sizes[:-1])
-        for pair in zip(sizes, sizes, strict=True):
-            pictures = []
-            for size, decoder in zip(pair, decoders, strict=True):
-                try:
-                    pictures.append(decoder.decode(_read_at(self._file, at, size)))
-                except ValueError as fault:  # it was whole when it was opened
-                    raise FileError(
-                        self._path, f"was changed while it was read: {fault}"
-                    ) from fault
-                at += size
-            yield pictures[0], pictures[1]
+    def _lights(self) -> LightReader:
+        """A reader of the light of the background, if there is any, and of every frame."""
+        camera, sizes = self.rig.left, self.footer.block_sizes[:-1]
+        read_at = partial(_read_at, self._file)
+        return LightReader(read_at, len(MAGIC), sizes, camera.height_px, camera.width_px)
+
+    def _read(self, lights: LightReader, number: int) -> Light:
+        try:
+            return lights(number)
+        except ValueError as fault:  # it was whole when it was opened
+            raise FileError(self._path, f"was changed while it was read: {fault}") from fault
 
 
 def _checked_footer(file: BinaryIO) -> Footer:

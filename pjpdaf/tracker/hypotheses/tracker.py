@@ -201,7 +201,9 @@ class HypothesisTracker:
             pairs,
             pairs.cost + area_cost(pairs, state.hand_area_m2, p.costs),
             joint_cost(pairs, places, state.hand_area_m2, p.costs),
-            side_evidence(pairs, seen, head.mean, self.views, p, self._bare(state)),
+            side_evidence(
+                pairs, seen, head.mean, self.views, p, state.hand_area_m2, self._bare(state)
+            ),
             face_m,
             face_cost,
         )

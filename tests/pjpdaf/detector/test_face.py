@@ -6,7 +6,15 @@ import cv2
 import numpy as np
 import pytest
 
-from pjpdaf.detector.face import REFERENCE_BGR, ExpectedHead, Face, face_of, mean_face, to_reference
+from pjpdaf.detector.face import (
+    REFERENCE_BGR,
+    ExpectedHead,
+    Face,
+    face_in,
+    head_place,
+    mean_face,
+    to_reference,
+)
 
 FOCAL_PX = 135.0  # of a picture 160 px wide
 GREY = np.zeros(2)
@@ -16,6 +24,11 @@ LIGHTS = {
     "cold": (1.5, 1.05, 0.9),
     "dim": (0.35, 0.35, 0.35),
 }
+
+
+def face_of(small, foreground, chroma, focal_px, expected=None, to_shoulders=True) -> Face | None:
+    _, inside = head_place(foreground, focal_px, expected, to_shoulders)
+    return None if inside is None else face_in(inside, small, chroma)
 
 
 def person(

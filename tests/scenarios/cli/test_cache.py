@@ -41,27 +41,33 @@ def test_a_run_plays_what_is_kept_and_says_so(tmp_path, folder):
 
     lines = in_this_process("cache", "info").stdout.splitlines()
     assert lines[0] == f"folder: {folder}"
-    assert "entries: 1 episode" in lines
-    assert any(line.startswith("frames: 2 stereo frames, ") for line in lines)
+    assert "entries: footage of 1 episode, detections of 1 episode, films of 0 episodes" in lines
+    for kind in ("footage", "detections"):
+        assert any(line.startswith(f"{kind}: 2 stereo frames, ") for line in lines)
+    assert "damaged: 0 files" in lines
     assert "of this version: 1 episode; others are dropped as they age" in lines
     done = in_this_process("cache", "clear")
-    assert done.stdout.startswith("removed: 1 episode, ")
+    assert done.stdout.startswith("removed: footage of 1 episode, ")
     assert [path for path in folder.rglob("*") if path.is_file()] == []
-    assert "entries: 0 episodes" in in_this_process("cache", "info").stdout.splitlines()
+    nothing = "entries: footage of 0 episodes, detections of 0 episodes, films of 0 episodes"
+    assert nothing in in_this_process("cache", "info").stdout.splitlines()
 
 
 def test_the_line_of_a_run_says_what_was_rendered():
     failure = rows_of(EpisodeFailure("cross", 0, "no step today"))
     settings = CacheSettings(Path("/c"), 1)
 
-    def line(*replayed, settings=settings, plugged=0):
-        rows = tuple(replace(failure, renderer="egl", replayed=one) for one in replayed)
+    def line(*replayed, settings=settings, plugged=0, detected=True):
+        rows = [replace(failure, renderer="egl", replayed=one) for one in replayed]
+        rows = [replace(row, detections_kept=detected) for row in rows]
         return origin_line((*rows, failure), settings, plugged)
 
     kept = "kept for the next run in /c (--no-cache: neither)"
     assert line(False, False) == f"footage: rendered and {kept}"
     assert line(False, True, True) == f"footage: 2 of 3 from the cache, the rest {kept}"
-    assert line(True, True).startswith("footage: all from the cache, nothing rendered")
+    assert line(True, True).startswith("footage: all from the cache, nothing rendered (")
+    anew = "footage: all from the cache, nothing rendered, but detected anew ("
+    assert line(True, True, detected=False).startswith(anew)
     anew = "footage: 1 episode with a plug-in's motion rendered anew, not kept (the cache cannot"
     assert line(False, plugged=1) == f"{anew} know all of its code)"
     assert line(False, True, plugged=1).endswith("its code); 1 of the others from the cache")

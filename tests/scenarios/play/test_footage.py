@@ -66,7 +66,7 @@ def entries(folder):
 
 
 def without_times(episode):
-    return repr(replace(rows_of(episode), stage_s={}, replayed=False))
+    return repr(replace(rows_of(episode), stage_s={}, replayed=False, detections_kept=False))
 
 
 def test_an_episode_is_rendered_once_and_replayed_bit_for_bit(folder, first, monkeypatch):
