@@ -134,6 +134,8 @@ class CostParameters:
     behind: NotNegative = 2.0
     # Two hands on one blob, undivided.
     same_blob: NotNegative = 4.0
+    # Of two hands on one blob of bare arms, one at an end, where the other is no hand: the elbow.
+    end_and_half: NotNegative = 4.0
     # A half whose other half is nobody's.
     lone_half: NotNegative = 4.0
     # A split.
