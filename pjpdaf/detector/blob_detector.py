@@ -310,10 +310,10 @@ def directions(seen: Segments) -> tuple[Floats, Floats]:
         inside[y - low[1] + 1, x - low[0] + 1] = 1
         depth = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
         deepest = depth.max()
-        down, right = np.nonzero(depth > 0.9 * deepest)
-        widest = np.array([right.mean(), down.mean()])
+        tops = cv2.moments((depth > 0.9 * deepest).view(np.uint8), binaryImage=True)
+        widest = np.array([tops["m10"], tops["m01"]]) / tops["m00"]
         root = len(at) ** 0.5
-        palms[i] = (np.array([x.mean(), y.mean()]) - (widest - 1 + low)) / root
+        palms[i] = (np.array([x.sum(), y.sum()]) / len(at) - (widest - 1 + low)) / root
         size = 2 * max(1, round(THIN * float(deepest))) + 1
         disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
         rest = inside - cv2.morphologyEx(inside, cv2.MORPH_OPEN, disc)
