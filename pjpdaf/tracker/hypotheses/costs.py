@@ -17,6 +17,7 @@ from pjpdaf.tracker.hypotheses.candidates import (
     HeadPlace,
 )
 from pjpdaf.tracker.hypotheses.geometry import Views
+from pjpdaf.tracker.hypotheses.half_fingers import fingers_of_halves
 from pjpdaf.tracker.hypotheses.pairs import Pairs
 from pjpdaf.tracker.hypotheses.parameters import (
     CostParameters,
@@ -183,11 +184,12 @@ def side_evidence(
     head_m: Floats,
     views: Views,
     p: HypothesisParameters,
+    hand_area_m2: float,
     bare: bool = False,
 ) -> Floats:
     """Log-odds (n,) that the hand at each pair is the right one: its sleeve, and the detector's.
 
-    bare: the forearms have no sleeves.
+    hand_area_m2: of a whole hand; bare: the forearms have no sleeves.
     """
     s = p.sleeve
     odds = np.zeros(len(pairs))
@@ -197,6 +199,9 @@ def side_evidence(
     if s.sleeve_weight > 0 and any(shape is not None for shape in shapes):
         body = Body.under(head_m, views.axes, s)
         fingers = finger_directions(pairs, seen, views, s)
+        if s.half_fingers > 0 and not bare:
+            halves = fingers_of_halves(pairs, seen, views, hand_area_m2, s)
+            fingers += np.clip(halves, -LONGEST_FINGERS, LONGEST_FINGERS)
         scores = arm_scores(
             pairs.points_m,
             arm_values(shapes, views, body, s, bare),

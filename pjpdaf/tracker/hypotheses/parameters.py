@@ -179,6 +179,11 @@ class SleeveParameters:
     inward_penalty: NotNegative = 0.15
     # Weight of the fingers' direction, which goes on along the forearm.
     finger_weight: NotNegative = 1.2
+    # The fingers' length of a half of two merged hands, over that of a hand by itself; 0 = not
+    # looked for [1].
+    half_fingers: NotNegative = 3.0
+    # Half the thickness below which a part of such a half is fingers [m].
+    thin_m: AboveZero = 0.02
     # Share of the vector to a wrist, a thick part of the hand beside the palm, that counts as
     # fingers on the other side [1].
     wrist_share: float = 1.0
@@ -239,6 +244,8 @@ class HypothesisParameters:
     sleeve: SleeveParameters = field(default_factory=SleeveParameters)
     offsets: OffsetParameters = field(default_factory=OffsetParameters)
     identity: IdentityParameters = field(default_factory=IdentityParameters)
+    # Before head and both hands are seen apart, the head and a lone hand are told already.
+    early: bool = True
     # Hypotheses kept.
     hypotheses: AboveZeroInt = 5
     # The estimate is the mean of the hypotheses within this of the best [log-odds].
