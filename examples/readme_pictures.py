@@ -1,7 +1,7 @@
 """The pictures of README.md and docs/stress_estimates.md, made anew from what the commands write.
 
 python examples/readme_pictures.py                # all of them, some minutes; needs chromium
-python examples/readme_pictures.py labels map     # some: hero, labels, gate, map
+python examples/readme_pictures.py labels map     # some: hero, labels, gate, map, strip
 """
 
 from __future__ import annotations
@@ -168,6 +168,15 @@ def map_(work: Path) -> None:
         _write("stress_map.webp", _decoded(shot), 84)
 
 
+def strip(work: Path) -> None:
+    """The first failure that `stress cross search` finds of the thesis's tracker, rendered."""
+    words = "stress cross search --preset thesis --budget 40 --confirm 1 --distinct 2"
+    bench(*words.split(), "--jobs", "1", "--out", str(work))
+    with opened(work / "stress.html", 1140, 900) as view:
+        shot = view.locator(".strip").first.screenshot()
+        _write("stress_strip.webp", _decoded(shot), 84)
+
+
 @contextmanager
 def opened(page: Path, width: int, height: int) -> Iterator[Page]:
     with sync_playwright() as playwright:
@@ -203,6 +212,7 @@ MADE: dict[str, Callable[[Path], None]] = {
     "labels": labels,
     "gate": gate,
     "map": map_,
+    "strip": strip,
 }
 
 

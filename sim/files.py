@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from pjpdaf.errors import BenchError, InfrastructureError
+from pjpdaf.errors import BenchError, InfrastructureError, closest
 
 FULL = (errno.ENOSPC, errno.EDQUOT)
 _REMEDIES = {
@@ -71,6 +71,20 @@ def written_whole_file(path: Path, content: str, *, replace: bool = False) -> It
             (part / path.name).replace(path)
     finally:
         shutil.rmtree(part, ignore_errors=True)
+
+
+def near_paths(path: Path) -> str:
+    """Return "; did you mean X?" for what lies beside a missing file or folder and is most like it.
+
+    Only of the same ending; "" where there is none.
+    """
+    try:
+        beside = [one.name for one in path.absolute().parent.iterdir()]
+    except OSError:
+        return ""
+    near = closest(path.name, [name for name in beside if Path(name).suffix == path.suffix])
+    names = " or ".join(str(path.parent / name) for name in near)
+    return f"; did you mean {names}?" if near else ""
 
 
 def part_folder(path: Path) -> Path:

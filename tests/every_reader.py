@@ -22,14 +22,17 @@ PARTED = r"""() => { const found = [];
   return found; }"""
 
 PAPER_PX = {"width": 718, "height": 1047}  # of A4 without its margins
-# Charts, drawings and pictures that paper lacks, cuts, or has empty.
-UNPRINTED = """() => [...document.querySelectorAll('main svg.chart, main canvas, main img')]
+# Charts, drawings, pictures and coloured marks that paper lacks, cuts, or has empty.
+UNPRINTED = r"""() => [...document.querySelectorAll('main svg.chart, main canvas, main img')]
   .filter(e => !e.closest('[hidden]')).filter(e => {
     const { width, height, right } = e.getBoundingClientRect();
     const blank = e.tagName === 'CANVAS' && !e.getContext('2d')
       .getImageData(0, 0, e.width, e.height).data.some(v => v > 0);
     return width < 40 || height < 20 || right > innerWidth + 1 || blank;
-  }).map(e => e.outerHTML.slice(0, 120))"""
+  }).concat([...document.querySelectorAll('main i, .spans button, .strip em')].filter(e => {
+    const { backgroundColor: colour, printColorAdjust: kept } = getComputedStyle(e);
+    return kept !== 'exact' && !/^rgba.*, 0\)$/.test(colour);
+  })).map(e => e.outerHTML.slice(0, 120))"""
 
 
 def widest(view, selector):

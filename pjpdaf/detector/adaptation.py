@@ -20,8 +20,12 @@ class AdaptationParameters:
     balance_light: bool = True
     # The face is looked for where the head is expected, not at the top of another silhouette.
     expect_face: bool = True
+    # The face is looked for above the shoulders alone, not in the shirt below it.
+    to_shoulders: bool = True
     # Clothes of a colour near skin are told from skin.
     split_clothes: bool = True
+    # Clothes whose colour is far from the face's are told from skin where they are small too.
+    clear_clothes: bool = True
     # What is only uncovered, where something of the background is gone, is no skin.
     drop_ghosts: bool = True
     # A rotation of the cameras that the calibration missed is taken out.

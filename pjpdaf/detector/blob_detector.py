@@ -207,7 +207,8 @@ class BlobDetector:
             coloured = self._chroma[view](small)
             person |= opened(coloured)
         focal_px = self._small_focal_px(view, picture)
-        place, inside = head_place(person, focal_px, expected)
+        shoulders = self.adaptation.to_shoulders
+        place, inside = head_place(person, focal_px, expected, shoulders)
         face = None if inside is None else face_in(inside, small, self._chroma[view].median)
         return View(picture, small, person, coloured, face, place)
 
@@ -228,7 +229,8 @@ class BlobDetector:
         small = to_reference(view.small, face) if balance else view.small
         skin = (skin_mask(to_hsv(small), p.skin) > 0) & (view.person > 0)
         smooth = smoothed(view.small.astype(np.float32))
-        return cloth_mask(smooth, skin, face, self._small_focal_px(number, view.picture))
+        focal_px = self._small_focal_px(number, view.picture)
+        return cloth_mask(smooth, skin, face, focal_px, self.adaptation.clear_clothes)
 
     def _small_focal_px(self, number: int, picture: np.ndarray) -> float:
         return float(self.base.cameras[number].K[0, 0]) / reduction(picture.shape[1])
@@ -308,10 +310,10 @@ def directions(seen: Segments) -> tuple[Floats, Floats]:
         inside[y - low[1] + 1, x - low[0] + 1] = 1
         depth = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
         deepest = depth.max()
-        down, right = np.nonzero(depth > 0.9 * deepest)
-        widest = np.array([right.mean(), down.mean()])
+        tops = cv2.moments((depth > 0.9 * deepest).view(np.uint8), binaryImage=True)
+        widest = np.array([tops["m10"], tops["m01"]]) / tops["m00"]
         root = len(at) ** 0.5
-        palms[i] = (np.array([x.mean(), y.mean()]) - (widest - 1 + low)) / root
+        palms[i] = (np.array([x.sum(), y.sum()]) / len(at) - (widest - 1 + low)) / root
         size = 2 * max(1, round(THIN * float(deepest))) + 1
         disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
         rest = inside - cv2.morphologyEx(inside, cv2.MORPH_OPEN, disc)

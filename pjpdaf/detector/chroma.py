@@ -7,12 +7,13 @@ in their noise: a face before a wall of its own colour.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
-from pjpdaf.arrays import Floats, readonly
+from pjpdaf.arrays import Floats, Ints, readonly
 from pjpdaf.detector.background import Background
 
 SMOOTH_PX = 0.8  # of the reduced picture
@@ -35,7 +36,7 @@ def log_chroma(bgr: np.ndarray) -> np.ndarray:
 class ChromaTest:
     """Test of a reduced picture against its background.
 
-    mean float32 (h, w, 2) log chroma; noise float32 (h, w) of the smoothed picture [grey levels];
+    mean float32 (2, h, w) log chroma; noise float32 (h, w) of the smoothed picture [grey levels];
     median (2,): log chroma of the whole scene.
     """
 
@@ -47,10 +48,10 @@ class ChromaTest:
     def of(background: Background) -> ChromaTest:
         """Prepare the test of a reduced picture's background."""
         bgr = cv2.cvtColor(np.ascontiguousarray(background.mean), cv2.COLOR_HSV2BGR) * 255.0
-        chroma = log_chroma(smoothed(bgr))
+        chroma = np.ascontiguousarray(np.moveaxis(log_chroma(smoothed(bgr)), -1, 0))
         noise = np.maximum(background.sd[..., 2] * 255.0, LEAST_NOISE) * KEPT_NOISE
         return ChromaTest(
-            readonly(chroma, (None, None, 2), "mean", np.float32),
+            readonly(chroma, (2, None, None), "mean", np.float32),
             readonly(noise, (None, None), "noise", np.float32),
             np.median(log_chroma(bgr).reshape(-1, 2), axis=0).astype(np.float64),
         )
@@ -63,26 +64,45 @@ class ChromaTest:
         """
         bgr = small.astype(np.float32)
         far = self._distance(smoothed(bgr), 1.0) > THRESHOLD
-        far &= self._distance(bgr, 1.0 / KEPT_NOISE) > THRESHOLD_ALONE
+        at = np.flatnonzero(far)
+        if len(at):
+            far.reshape(-1)[at] = self._distance(bgr, 1.0 / KEPT_NOISE, at)[:, 0] > THRESHOLD_ALONE
         return far.astype(np.uint8)
 
-    def _distance(self, bgr: np.ndarray, noisier: float) -> np.ndarray:
-        """Squared Mahalanobis distance (h, w) in log chroma, 0 where a channel is dark."""
-        # Channel by channel: numpy reduces an axis of 2 or 3 slowly.
-        levels = cv2.split(np.maximum(bgr, 1.0))
-        blue, green, red = levels
-        of_channels = [np.log(level) for level in levels]
-        one = of_channels[2] - of_channels[1] - self.mean[..., 0]
-        two = of_channels[1] - of_channels[0] - self.mean[..., 1]
-        for off in (one, two):
-            # What the camera's own white balance did since: most of a picture is background.
-            off -= np.median(off[::EVERY, ::EVERY])
-        square = (noisier * self.noise) ** 2
+    def _distance(self, bgr: np.ndarray, noisier: float, at: Ints | None = None) -> np.ndarray:
+        """Squared Mahalanobis distance (h, w) in log chroma, 0 where a channel is dark.
+
+        at: flat indices (n,) of the pixels that are asked for; then the result is (n, 1).
+        """
+        mean, noise = self.mean, self.noise
+        some = _levels(bgr[::EVERY, ::EVERY])
+        # What the camera's own white balance did since: most of a picture is background.
+        shifts = [np.median(off) for off in _differences(some, mean[:, ::EVERY, ::EVERY])]
+        if at is not None:
+            bgr = bgr.reshape(-1, 1, 3).take(at, axis=0)
+            mean = mean.reshape(2, -1, 1).take(at, axis=1)
+            noise = noise.reshape(-1, 1).take(at, axis=0)
+        levels = _levels(bgr)
+        one, two = _differences(levels, mean)
+        one -= shifts[0]
+        two -= shifts[1]
+        square = (noisier * noise) ** 2
         of_blue, of_green, of_red = (square / (level * level) for level in levels)
         distance: np.ndarray = one * one / (of_red + of_green + FLOOR**2)
         distance += two * two / (of_green + of_blue + FLOOR**2)
-        distance[np.minimum(np.minimum(blue, green), red) <= DARK] = 0.0
+        distance[np.minimum.reduce(levels) <= DARK] = 0.0
         return distance
+
+
+def _levels(bgr: np.ndarray) -> Sequence[np.ndarray]:
+    """Split a float32 picture (h, w, 3): numpy reduces an axis of 3 slowly."""
+    return cv2.split(np.maximum(bgr, 1.0))
+
+
+def _differences(levels: Sequence[np.ndarray], mean: np.ndarray) -> list[np.ndarray]:
+    """Log chroma, its two parts one by one, of levels B, G, R less the mean (2, ...)."""
+    blue, green, red = (np.log(level) for level in levels)
+    return [red - green - mean[0], green - blue - mean[1]]
 
 
 def smoothed(bgr: np.ndarray) -> np.ndarray:

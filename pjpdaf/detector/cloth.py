@@ -13,22 +13,26 @@ SKIN_M2 = 0.11  # more in the skin range than head, hands and rolled sleeves: so
 BIN, BINS, LOW = 0.02, 128, -1.0  # of the histogram of log chroma
 NEAR = 0.04  # radius of the clothes' cluster in log chroma
 LEAST_SHARE = 0.3  # of the pixels away from the face
+CLEAR_M2, CLEAR = 0.08, 0.09  # enough where the clothes are so far from the face in log chroma
 APART = 0.036  # between face and clothes, in log chroma: nearer than this nobody can tell them
 REACH = np.ones((5, 5), np.uint8)  # fingers, thinner than a hand
 BOUNDS = 0.4, 0.65  # of the way from the face to the clothes, where clothes begin
 
 
 def cloth_mask(
-    smooth: np.ndarray, skin: np.ndarray, face: Face, focal_px: float
+    smooth: np.ndarray, skin: np.ndarray, face: Face, focal_px: float, clear: bool = True
 ) -> np.ndarray | None:
     """Find clothes among skin-coloured pixels, uint8 (h, w), 0 or 1; None where there are none.
 
     smooth: float32 BGR (h, w, 3), the smoothed reduced picture; skin: bool (h, w), its foreground
-    in the skin range; focal_px: of the reduced picture. The clothes are the largest cluster of log
-    chroma away from the face's; a pixel belongs to the nearer of the two, by their spread.
+    in the skin range; focal_px: of the reduced picture. clear: clothes of a colour far from the
+    face's are clothes where less is in the skin range too, as of a person far away. The clothes are
+    the largest cluster of log chroma away from the face's; a pixel belongs to the nearer of the
+    two, by their spread.
     """
     metre_px = focal_px / USUAL_DEPTH_M
-    if skin.sum() < SKIN_M2 * metre_px**2:
+    size_m2 = float(skin.sum()) / metre_px**2
+    if size_m2 < (CLEAR_M2 if clear else SKIN_M2):
         return None
     chroma = log_chroma(smooth[skin])
     of_face = log_chroma(face.bgr)
@@ -37,6 +41,8 @@ def cloth_mask(
         return None
     way = cloth - of_face
     distance = float(np.linalg.norm(way))
+    if size_m2 < SKIN_M2 and distance < CLEAR:
+        return None
     along = (chroma - of_face) @ (way / distance) / distance  # 0 at the face, 1 at the clothes
     facelike, clothlike = np.abs(along) < 0.4, np.abs(along - 1.0) < 0.4
     spread = along[facelike].std() if facelike.sum() > 1 else 0.2

@@ -16,6 +16,7 @@ import numpy as np
 
 from pjpdaf.arrays import Bools, Floats
 from pjpdaf.detector.chroma import log_chroma
+from pjpdaf.detector.shoulders import rows_of_head
 
 REFERENCE_BGR = (79.0, 101.0, 142.0)  # of skin in the middle of the fixed range
 HEAD_M, HALF_HEAD_M = 0.27, 0.10  # height below the silhouette's top, half width
@@ -92,14 +93,18 @@ class HeadPlace(NamedTuple):
 
 
 def head_place(
-    foreground: np.ndarray, focal_px: float, expected: ExpectedHead | None = None
+    foreground: np.ndarray,
+    focal_px: float,
+    expected: ExpectedHead | None = None,
+    to_shoulders: bool = True,
 ) -> tuple[HeadPlace, Bools | None]:
     """Find where the head shows: the place, and its foreground, bool (h, w), None without any.
 
     foreground: uint8 (h, w), non-zero where the person is; focal_px: of the reduced picture.
     expected: the silhouette's top counts only if it is there: another person may stand taller.
+    to_shoulders: the head ends where the silhouette widens.
     """
-    top = _top_of(foreground, focal_px / USUAL_DEPTH_M)
+    top = _top_of(foreground, focal_px / USUAL_DEPTH_M, to_shoulders)
     top_px = None
     if top is not None:
         rows, columns = np.nonzero(top)
@@ -145,7 +150,7 @@ def face_in(inside: Bools, small: np.ndarray, background_chroma: Floats) -> Face
     return Face(np.array(bgr), int(near.sum()))
 
 
-def _top_of(foreground: np.ndarray, metre_px: float) -> Bools | None:
+def _top_of(foreground: np.ndarray, metre_px: float, to_shoulders: bool) -> Bools | None:
     """Foreground below the top of the largest component, bool (h, w)."""
     size = 2 * round(JOIN_M * metre_px) + 1
     near = cv2.dilate(foreground, np.ones((size, size), np.uint8))
@@ -160,6 +165,8 @@ def _top_of(foreground: np.ndarray, metre_px: float) -> Bools | None:
     top, height = int(rows[0]), max(int(HEAD_M * metre_px), 4)
     columns = np.flatnonzero(person[top : top + height // 3 + 1].any(axis=0))
     middle, half = float(np.median(columns)), HALF_HEAD_M * metre_px
+    if to_shoulders:
+        height = rows_of_head(person, top, height, middle, metre_px)
     box: Bools = np.zeros(person.shape, np.bool_)
     box[top : top + height, max(int(middle - half), 0) : int(middle + half) + 1] = True
     box &= person

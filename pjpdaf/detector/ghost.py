@@ -7,6 +7,7 @@ like the background around it, and the learnt background alone does not.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -24,18 +25,35 @@ EVERY = 3  # pixels, for the median change of light
 RIM = np.ones((3, 3), np.uint8)
 
 
+class Surroundings(NamedTuple):
+    """Pixels of things, flat indices (n,), which differ from what is around them.
+
+    around float32 (3, n): logarithms of the background's BGR there; off float32 (n,): the pixels'
+    largest differences from it.
+    """
+
+    at: np.ndarray
+    around: np.ndarray
+    off: np.ndarray
+
+    @staticmethod
+    def of(own: np.ndarray, around: np.ndarray, side: int) -> Surroundings:
+        """Choose the pixels of log pictures (h, w, 3); side: of the window [px]."""
+        off = _off(own, around, side).reshape(-1)
+        at = np.flatnonzero(off > OBJECT)
+        return Surroundings(at, np.ascontiguousarray(around.reshape(-1, 3)[at].T), off[at])
+
+
 @dataclass(frozen=True, eq=False)
 class GhostTest:
     """Test of a reduced picture for ghosts.
 
-    around: for each window float32 (h, w, 3): logarithms of the background's BGR as it is around
-    each pixel; own float32 (h, w, 3): those of the pixel itself; off: for each window float32
-    (h, w): the largest difference, 0 where what is around is no one surface.
+    own float32 (h, w, 3): logarithms of the background's BGR; windows: what is around its things,
+    for windows of several sizes.
     """
 
-    around: tuple[np.ndarray, ...]
     own: np.ndarray
-    off: tuple[np.ndarray, ...]
+    windows: tuple[Surroundings, ...]
 
     @staticmethod
     def of(background: Background) -> GhostTest:
@@ -43,35 +61,36 @@ class GhostTest:
         bgr = cv2.cvtColor(np.ascontiguousarray(background.mean), cv2.COLOR_HSV2BGR) * 255.0
         own = _logs(bgr)
         levels = np.rint(bgr).astype(np.uint8)
-        around = tuple(_logs(cv2.medianBlur(levels, side)) for side in AROUND_PX)
         return GhostTest(
-            tuple(readonly(wide, (None, None, 3), "around", np.float32) for wide in around),
             readonly(own, (None, None, 3), "own", np.float32),
             tuple(
-                readonly(_off(own, wide, side), (None, None), "off", np.float32)
-                for wide, side in zip(around, AROUND_PX, strict=True)
+                Surroundings.of(own, _logs(cv2.medianBlur(levels, side)), side)
+                for side in AROUND_PX
             ),
         )
 
     def __call__(self, small: np.ndarray) -> np.ndarray | None:
         """Find the ghosts of a reduced picture uint8 (h, w, 3): uint8 (h, w), 0 or 1, or None."""
         now = _logs(small)
-        # A change of light since the background was learnt.
-        change = np.median((now - self.own)[::EVERY, ::EVERY].reshape(-1, 3), axis=0)
-        now -= change
+        # A change of light since the background was learnt. Channel by channel, here and below:
+        # numpy reduces an axis of 3 slowly.
+        change = [float(np.median(c)) for c in cv2.split((now - self.own)[::EVERY, ::EVERY])]
         sure, ghost = (np.zeros(now.shape[:2], np.uint8) for _ in range(2))
-        for around, off in zip(self.around, self.off, strict=True):
-            # Channel by channel: numpy reduces an axis of 3 slowly.
-            left = np.maximum.reduce([np.abs(c) for c in cv2.split(now - around)])
-            thing = off > OBJECT
-            sure |= thing & (left < LIKE[0]) & (left < LIKE[1] * off)
-            ghost |= thing & (left < RATHER_LIKE[0]) & (left < RATHER_LIKE[1] * off)
+        for at, around, off in self.windows:
+            levels = now.reshape(-1, 3).take(at, axis=0).T
+            left = np.maximum.reduce(
+                [np.abs(c - d - wide) for c, d, wide in zip(levels, change, around, strict=True)]
+            )
+            sure.reshape(-1)[at] |= (left < LIKE[0]) & (left < LIKE[1] * off)
+            ghost.reshape(-1)[at] |= (left < RATHER_LIKE[0]) & (left < RATHER_LIKE[1] * off)
         sure = cv2.morphologyEx(sure, cv2.MORPH_OPEN, RIM)
+        if not sure.any():
+            return None
         _, labels = cv2.connectedComponents(ghost, connectivity=4)
         mask = np.isin(labels, np.unique(labels[sure > 0])).astype(np.uint8)
         mask &= ghost
         # Edges are mixtures of a thing and what is around it.
-        return cv2.dilate(mask, RIM) if mask.any() else None
+        return np.asarray(cv2.dilate(mask, RIM))
 
 
 def _off(own: np.ndarray, around: np.ndarray, side: int) -> np.ndarray:

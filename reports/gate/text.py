@@ -40,13 +40,14 @@ def difference_text(judged: MetricVerdict) -> str:
     return number(judged.difference.mean, "+") + ("*" if judged.capped else "")
 
 
-def cap_text(judged: MetricVerdict | GroupDifference) -> str:
-    """What is capped of a difference; "" where nothing is."""
+def cap_text(judged: MetricVerdict | GroupDifference, name: str = "") -> str:
+    """What is capped of a difference; "" where nothing is. name: of the metric, if not its own."""
     if not judged.capped:
         return ""
     n = judged.difference.n if isinstance(judged, MetricVerdict) else judged.episodes
     reach = f"{number(judged.metric.reach)}{unit_text(judged.metric)}"
-    return f"{judged.capped} of {n} differences of {judged.metric.name} are capped at {reach}"
+    name = name or judged.metric.name
+    return f"{judged.capped} of {n} differences of {name} are capped at {reach}"
 
 
 def unit_text(metric: Metric) -> str:

@@ -78,7 +78,7 @@ def gate_section(verdict: Verdict, entries: Sequence[RunEntry]) -> GateSection:
         ),
         advice=advice_lines(advice) if advice is not None else (),
         commands=advice.commands if advice is not None else (),
-        capped=tuple(filter(None, map(cap_text, verdict.metrics))),
+        capped=tuple(filter(None, (cap_text(m, m.metric.short) for m in verdict.metrics))),
         notes=verdict.notes,
     )
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import pandas as pd
 
+from reports.gate.replay import replay_command
 from reports.page.enlarged_pictures import EnlargedPicture, enlarged_pictures
 from reports.page.episode_tables import EpisodeTables, Key
 from reports.page.packed_films import FilmPlace, PackedFilm, packed_films
@@ -116,6 +117,7 @@ def run_entries(
                 film=at.film,
                 film_owner=key_of(*at.owner) if at.owner is not None else "",
                 pictures=pictures.get((r, scenario, seed), ()),
+                command=replay_command(run.meta, scenario, seed),
             )
     return tuple(listed[key] for key in sorted(listed))
 

@@ -26,6 +26,7 @@ from reports.run.stored_table import read_table
 from reports.run.table_rules import KEY, first_broken_rule
 from sim.archives import bounded_archive
 from sim.dataset.files.checksums import sha256_of
+from sim.files import near_paths
 
 MAX_FILM_BYTES = 256 << 20
 MAX_FILE_BYTES = 2 << 30
@@ -103,7 +104,8 @@ def _load_meta(folder: Path) -> dict[str, Any]:
     if folder.is_file():
         raise BenchError(f"{folder}: is a file; give the folder of a saved run.")
     if not folder.is_dir():
-        raise BenchError(f"{folder}: no such run; give the folder that `run --out` made.")
+        hint = near_paths(folder)
+        raise BenchError(f"{folder}: no such run{hint}; give the folder that `run --out` made.")
     if not path.is_file():
         raise BenchError(f"{folder}: is not a saved run: it has no run.json.")
     return read_run_json(path)

@@ -113,5 +113,5 @@ def _legend(goals: Sequence[Goal]) -> list[str]:
             f'transform="translate({at + 13:.0f} 14) scale(.8)"/></g>'
             f'<text x="{at + 32:.0f}" y="18">{GOAL_WORDS[goal]}</text>'
         )
-        at += 46 + 6.9 * len(GOAL_WORDS[goal])
+        at += 46 + 7.8 * len(GOAL_WORDS[goal])
     return parts

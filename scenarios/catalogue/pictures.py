@@ -8,6 +8,7 @@ from contextlib import suppress
 from pjpdaf.errors import BenchError, InfrastructureError
 from reports.pictures.overlay import LETTERS
 from reports.pictures.truth_overlay import merged_text, thumbnail
+from reports.summary.text import count
 from reports.words import label_text
 from scenarios.catalogue.film import target_labels
 from scenarios.catalogue.frame_choice import hardest_frame, truths_without_pictures
@@ -21,6 +22,7 @@ from sim.contact.contact import Unposable
 from sim.processes import Answer, Lost, WorkerPool
 from sim.script import Performance
 from sim.sequence import Simulation
+from sim.steps import counted
 from sim.truth import Truth, ViewTruth
 
 SEEDS = 10  # of these the first that can be posed is drawn
@@ -39,15 +41,20 @@ def draw_scenarios(
     """
     pictures = {} if journal is None else _kept_pictures(scenarios, journal)
     tasks = {index: one for index, one in enumerate(scenarios) if index not in pictures}
-    with progress() as meter:
-        meter.begin("drawing", len(scenarios), "scenario", finished=len(pictures))
+    frames = [len(_frames_seen(one)) for one in scenarios]
+    with progress(running=pool.running_steps) as meter:
+
+        def doing() -> str:
+            return f"{len(pictures)}/{count(len(scenarios), 'scenario')}"
+
+        meter.begin(doing(), sum(frames), finished=sum(frames[index] for index in pictures))
         for ended in pool.outcomes(_draw_or_fault, tasks, TIME_LIMIT_S):
             if ended is not None:
                 index, outcome = ended
                 pictures[index] = _unpack(scenarios[index], outcome)
                 if journal is not None:
                     journal.append(digest(scenarios[index]), picture_to_bytes(pictures[index]))
-                meter.finish(1, scenarios[index].name)
+                meter.finish(frames[index], doing())
     return [pictures[index] for index in range(len(scenarios))]
 
 
@@ -84,8 +91,7 @@ def _draw_or_fault(scenario: Scenario) -> ScenarioPicture | BenchError:
 def draw_scenario(scenario: Scenario) -> ScenarioPicture:
     """Draw the hardest frame of the first seed that can be posed. Raises BenchError."""
     performance = _first_performance(scenario)
-    step = -(-performance.frames // MOST_FRAMES)
-    truths = list(truths_without_pictures(performance, range(0, performance.frames, step)))
+    truths = list(counted(truths_without_pictures(performance, _frames_seen(scenario))))
     with Simulation(performance) as simulation:
         shot = simulation.render(hardest_frame(truths).index)
         large, small = (
@@ -94,6 +100,11 @@ def draw_scenario(scenario: Scenario) -> ScenarioPicture:
         )
     seed = f"seed {performance.seed}, " if performance.seed else ""
     return ScenarioPicture(large, small, seed + caption(shot.truth))
+
+
+def _frames_seen(scenario: Scenario) -> range:
+    """The frames among which a scenario's picture is chosen."""
+    return range(0, scenario.frames, -(-scenario.frames // MOST_FRAMES))
 
 
 def _first_performance(scenario: Scenario) -> Performance:

@@ -80,6 +80,11 @@ class Meter:
             self._before = float(finished)
             self._pace = Pace()
 
+    def expect(self, steps: int) -> None:
+        """Add steps to this part of the work, whose total was not known before."""
+        with self._lock:
+            self._total = (self._total or 0) + steps
+
     def step(self) -> None:
         """Count a step that was done in this process."""
         self._current += 1

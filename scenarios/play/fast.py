@@ -21,6 +21,7 @@ from sim.silhouettes.film import film_of
 from sim.silhouettes.painter import Painter
 from sim.silhouettes.skin_blobs import SkinBlobs
 from sim.silhouettes.truths import Truths
+from sim.steps import step as count_step
 
 
 def play_fast(job: Job, redraw: int = 0, errors: ErrorModel | None = None) -> Episode:
@@ -44,6 +45,7 @@ def play_fast(job: Job, redraw: int = 0, errors: ErrorModel | None = None) -> Ep
     for step in follow(film.frames(), stand_in, tracker, job.system.lag):
         truth = truths.of(step.frame.index, painter.paint(step.frame.index))
         outcomes.append(outcome_of(step, truth))
+        count_step()
     return episode_of(job, film.rig.cameras, performance.fps, outcomes, redraw)
 
 

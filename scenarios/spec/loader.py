@@ -13,6 +13,7 @@ from scenarios.spec.suite import Suite
 from scenarios.spec.validation import first_fault
 from scenarios.spec.value_text import describe_value
 from scenarios.spec.yaml_reader import read_yaml
+from sim.files import near_paths
 
 MAX_BYTES = 1 << 20
 _PACKAGE = Path(__file__).parents[1]
@@ -47,7 +48,7 @@ def read_text(path: Path | str) -> str:
         with file.open("rb") as stream:
             data = stream.read(MAX_BYTES + 1)
     except FileNotFoundError:
-        raise FileFault(str(path), None, "no such file") from None
+        raise FileFault(str(path), None, f"no such file{near_paths(file)}") from None
     except (OSError, ValueError) as fault:
         reason = getattr(fault, "strerror", None) or str(fault)
         raise FileFault(str(path), None, f"cannot be read: {reason.lower()}") from None

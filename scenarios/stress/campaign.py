@@ -205,11 +205,12 @@ def open_campaign(request: CampaignRequest, total: int | None = None) -> Iterato
             _check(tested)
     folder = request.out or default_folder(request, request.identity())
     _say_fidelities(request, spaces, fidelity)
+    frames = max(space.family.scenario.frames for space in spaces)
     with (
         interrupts() as arrived,
         Journal.open(folder, request.code()) as journal,
         executor_at(place, request.plug_ins) as executor,
-        campaign_progress(executor, total) as progress,
+        campaign_progress(executor, frames, total) as progress,
     ):
         if fidelity == "full":
             executor.renderers()  # raises where there is no OpenGL

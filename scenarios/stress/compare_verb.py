@@ -144,7 +144,12 @@ def _mapped(campaign: Campaign, space: Space, plan: MapPlan, system: System) -> 
     """The map of a system; never refined, so that both have the same cells and draws."""
     campaign.progress.start(f"{space.family.name}: map of {system_text(system)}")
     even = replace(plan, refine=0)
-    cells, runs = explore(space, even, lambda cases: _run(campaign, space, cases, system))
+
+    def evaluate(cases: Sequence[Case]) -> Sequence[TrialResult]:
+        campaign.progress.expect(len(cases))
+        return _run(campaign, space, cases, system)
+
+    cells, runs = explore(space, even, evaluate)
     return map_record(space, even, campaign.fidelity_for(space), cells, runs, {}, {}, "")
 
 

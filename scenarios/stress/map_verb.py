@@ -103,6 +103,7 @@ def _mapped(campaign: Campaign, space: Space, request: MapRequest) -> tuple[MapR
 
     def evaluate(cases: Sequence[Case]) -> Sequence[TrialResult]:
         trials = [Trial(case, campaign.system, fidelity) for case in cases]
+        campaign.progress.expect(len(trials))
         return campaign.runner.run(trials)
 
     cells, runs = explore(space, plan, evaluate)

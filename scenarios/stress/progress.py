@@ -15,17 +15,17 @@ from scenarios.stress.case import Trial, TrialResult
 class Progress:
     """Counts what is played.
 
-    frames: of the last run; results: runs that gave one; lost: by key, trials without a result
-    through no fault of the draw.
+    frames: of the last run, of the first as they are planned; results: runs that gave one; lost: by
+    key, trials without a result through no fault of the draw.
     """
 
     meter: Meter
+    frames: int = 0
     doing: str = "starting"
     runs: int = 0
     results: int = 0
     failures: int = 0
     best: float = float("inf")
-    frames: int = 0
     lost: dict[str, tuple[Trial, TrialResult]] = field(default_factory=dict)
 
     @property
@@ -47,9 +47,13 @@ class Progress:
         self.meter.finish(1, self._text())
 
     def start(self, doing: str, total: int | None = None) -> None:
-        """Begin another part of the campaign; total: of the trials in it."""
+        """Begin another part of the campaign; total: its trials, None: `expect` adds them."""
         self.doing, self.best, self.failures = doing, float("inf"), 0
         self.meter.begin(self._text(), total, "run")
+
+    def expect(self, trials: int) -> None:
+        """Add trials that this part of the campaign plays next."""
+        self.meter.expect(trials)
 
     def running_runs(self, executor: Executor) -> float:
         """The runs in progress, as the share of their frames that is done."""
@@ -61,10 +65,15 @@ class Progress:
 
 
 @contextmanager
-def campaign_progress(executor: Executor, total: int | None = None) -> Iterator[Progress]:
-    """A progress line on standard error, until the block ends. executor: plays the trials."""
+def campaign_progress(
+    executor: Executor, frames: int = 0, total: int | None = None
+) -> Iterator[Progress]:
+    """A progress line on standard error, until the block ends.
+
+    executor: plays the trials; frames: of a trial, until one has ended.
+    """
     with progress() as meter:
-        counted = Progress(meter)
+        counted = Progress(meter, frames)
         meter.running = lambda: counted.running_runs(executor)
         meter.begin("starting", total, "run")
         yield counted

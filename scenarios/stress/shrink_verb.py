@@ -16,7 +16,7 @@ from scenarios.stress.case import Case
 from scenarios.stress.case_file import case_of, corpus_case, load_case, system_of, write_case
 from scenarios.stress.quarantine import name_quarantined
 from scenarios.stress.search.evaluation import Evaluator
-from scenarios.stress.shrink import NEEDED, SEEDS, Shrunk, shrink
+from scenarios.stress.shrink import MOST_RUNS, NEEDED, SEEDS, Shrunk, shrink
 from scenarios.stress.space import Space
 from scenarios.stress.survival import Survival
 
@@ -54,7 +54,8 @@ def shrink_verb(request: ShrinkRequest) -> None:
     with open_campaign(campaign_request) as campaign:
         space, case = campaign.spaces[0], case_of(record)
         space = Space.of(space.family, ["fps"] if "fps" in case.values else [])
-        campaign.progress.start(f"{record.name}: shrink")
+        most = MOST_RUNS + 2 * request.fresh
+        campaign.progress.start(f"{record.name}: shrink, at most", most)
         fidelity = campaign.fidelity_for(space)
         evaluator = Evaluator(campaign.runner, campaign.system, fidelity)
         shrunk = shrink(

@@ -14,6 +14,7 @@ from pjpdaf.errors import BenchError
 from scenarios.spec.suggestion import did_you_mean
 from scenarios.tables.rows import SUFFIXES, Columns, read_rows
 from sim.dataset.files.layout import is_sequence_name
+from sim.files import near_paths
 
 
 class Builder(Protocol):
@@ -49,7 +50,7 @@ def read_sequences(
     if path.is_dir():
         return _read_folder(path, names, columns, builder, noun)
     if not path.is_file():
-        raise BenchError(f"{path}: no such file or folder.")
+        raise BenchError(f"{path}: no such file or folder{near_paths(path)}")
     if path.suffix.lower() not in SUFFIXES:
         raise BenchError(f"{path}: must end in {' or '.join(SUFFIXES)}.")
     builders = {name: builder(path, name) for name in names}

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pjpdaf.errors import FileError
+from pjpdaf.errors import BenchError, FileError
 from sim.dataset.files.layout import (
     KIND,
     MANIFEST,
@@ -20,6 +20,7 @@ from sim.dataset.files.layout import (
 )
 from sim.dataset.files.reading import check_inside, read_json
 from sim.dataset.stored_sequence import StoredSequence
+from sim.files import near_paths
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,11 +40,13 @@ class Dataset:
 def open_dataset(folder: Path | str) -> Dataset:
     """Open a data set.
 
-    Raises FileError where the folder is not a data set, of a newer version, or lacks a sequence
-    that its manifest names.
+    Raises BenchError where there is no such folder, FileError where it is not a data set, of a
+    newer version, or lacks a sequence that its manifest names.
     """
     folder = Path(folder)
     path = folder / MANIFEST
+    if not folder.exists():
+        raise BenchError(f"{folder}: no such data set{near_paths(folder)}")
     if not path.is_file():
         raise FileError(folder, f"is not a data set: has no {MANIFEST}")
     check_inside(folder, path)

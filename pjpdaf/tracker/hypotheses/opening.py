@@ -21,6 +21,7 @@ from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 from pjpdaf.tracker.hypotheses.sleeve import Body, arm_scores, arm_values
 
 HEAD_AREA_M2, HEAD_LOG_SD = 0.024, 0.4  # of visible skin, with the neck
+LARGEST_HEAD_Z = 3.0
 HEIGHT_PRIOR = 4.0  # cost of a metre lower, for the head
 BELOW_M = 0.05, 0.08  # hands below the head; blobs that count as below it
 USUAL_DEPTH_M = 1.2
@@ -48,6 +49,21 @@ def open_tracks(seen: tuple[Blobs, ...], views: Views, p: HypothesisParameters) 
     """The opening, or None: wait for a frame that shows head and hands apart."""
     if any(view.missing or len(view) < 3 for view in seen):
         return None
+    pairs, longest = first_pairs(seen, views, p)
+    head = _head(pairs, views)
+    if head is None:
+        return None
+    track = head_track(pairs, head, seen, views)
+    hands = _hands(pairs, hands_below(pairs, head, seen, views, longest, p), p)
+    return Opening(track, hands, longest) if hands else None
+
+
+def first_pairs(
+    seen: tuple[Blobs, ...], views: Views, p: HypothesisParameters
+) -> tuple[Pairs, float]:
+    """Sightings of head and hands that nothing is known of; length [m] of the longest blob that
+    may be a hand.
+    """
     metre_px = views.focal_px / USUAL_DEPTH_M
     longest = _longest(seen, metre_px)
     plain = replace(p.candidates, halves=False, beside_head=False)
@@ -62,13 +78,7 @@ def open_tracks(seen: tuple[Blobs, ...], views: Views, p: HypothesisParameters) 
         )
         for v, view in enumerate(seen)
     )
-    pairs = pair_candidates(views, (one, two), np.zeros((0, 3)), p.noise, p.costs)
-    head = _head(pairs, views)
-    if head is None:
-        return None
-    track = _track(pairs, head, seen, views)
-    hands = _hands(pairs, head, seen, views, longest, p)
-    return Opening(track, hands, longest) if hands else None
+    return pair_candidates(views, (one, two), np.zeros((0, 3)), p.noise, p.costs), longest
 
 
 def _longest(seen: tuple[Blobs, ...], metre_px: Floats) -> float:
@@ -84,18 +94,26 @@ def _longest(seen: tuple[Blobs, ...], metre_px: Floats) -> float:
 def _head(pairs: Pairs, views: Views) -> int | None:
     """The pair of a head's size that is high up, with two others below it."""
     up = -(pairs.points_m @ views.axes[1])
+    own = head_cost(pairs)
     best: tuple[float, int] | None = None
-    for i in np.flatnonzero((pairs.part == WHOLE).all(axis=1)):
-        z = np.log(pairs.areas_m2[i] / HEAD_AREA_M2) / HEAD_LOG_SD
-        if abs(z) > 3.0 or (up < up[i] - BELOW_M[1]).sum() < 2:
+    for i in np.flatnonzero(np.isfinite(own)):
+        if (up < up[i] - BELOW_M[1]).sum() < 2:
             continue
-        cost = float(0.5 * z * z + pairs.cost[i] - HEIGHT_PRIOR * up[i])
+        cost = float(own[i] - HEIGHT_PRIOR * up[i])
         if best is None or cost < best[0]:
             best = cost, int(i)
     return None if best is None else best[1]
 
 
-def _track(pairs: Pairs, head: int, seen: tuple[Blobs, ...], views: Views) -> HeadTrack:
+def head_cost(pairs: Pairs) -> Floats:
+    """Cost (n,) of pairs as a head, infinite of parts and of what is far from a head's size."""
+    z = np.log(np.maximum(pairs.areas_m2, 1e-9) / HEAD_AREA_M2) / HEAD_LOG_SD
+    good = (pairs.part == WHOLE).all(axis=1) & (np.abs(z) <= LARGEST_HEAD_Z)
+    return np.asarray(np.where(good, 0.5 * z * z + pairs.cost, np.inf))
+
+
+def head_track(pairs: Pairs, head: int, seen: tuple[Blobs, ...], views: Views) -> HeadTrack:
+    """A track that begins with a pair."""
     one, two = (
         HeadPlace(int(b), True, view.centres_px[b], np.eye(2))
         for b, view in zip(pairs.blob[head], seen, strict=True)
@@ -107,14 +125,29 @@ def _track(pairs: Pairs, head: int, seen: tuple[Blobs, ...], views: Views) -> He
     return HeadTrack(mean, np.eye(3) * HEAD_SD_M**2, area, shape, crown)
 
 
-def _hands(
+@dataclass(frozen=True, eq=False)
+class Hands:
+    """Pairs (n,) as hands of a head above them.
+
+    good (n,): within reach of it; own (n,): cost of each by itself; scores (n, 2) of the arms from
+    right and left shoulder; aside_m (n,): from the head to the right of the picture.
+    """
+
+    good: NDArray[np.bool_]
+    own: Floats
+    scores: Floats
+    aside_m: Floats
+
+
+def hands_below(
     pairs: Pairs,
     head: int,
     seen: tuple[Blobs, ...],
     views: Views,
     longest_m: float,
     p: HypothesisParameters,
-) -> tuple[tuple[Floats, float], ...]:
+) -> Hands:
+    """What speaks for each pair as a hand below the head, a pair itself."""
     off = (pairs.points_m - pairs.points_m[head]) @ views.axes.T
     good = (
         (off[:, 1] > BELOW_M[0])
@@ -137,16 +170,20 @@ def _hands(
         own = own + end_cost(pairs, views.axes, p.costs) + WHOLE_ARM * _whole_arms(pairs)
     if bare and p.candidates.arm_pieces:
         own = own + forearm_cost(pairs, good, views.axes, p.costs.forward_m)
+    return Hands(good, own, scores, np.asarray(off[:, 0]))
+
+
+def _hands(pairs: Pairs, of: Hands, p: HypothesisParameters) -> tuple[tuple[Floats, float], ...]:
     hands: list[tuple[Floats, float]] = []
-    for pair in combinations(np.flatnonzero(good).tolist(), 2):
+    for pair in combinations(np.flatnonzero(of.good).tolist(), 2):
         if (pairs.blob[pair[0]] == pairs.blob[pair[1]]).any():
             continue
         if np.linalg.norm(pairs.points_m[pair[0]] - pairs.points_m[pair[1]]) < APART_M:
             continue
         for right, left in permutations(pair):
-            cost = float(own[right] + own[left])
-            cost -= p.sleeve.sleeve_weight * float(scores[right, 0] + scores[left, 1])
-            cost += WRONG_SIDE if off[left, 0] < off[right, 0] else 0.0
+            cost = float(of.own[right] + of.own[left])
+            cost -= p.sleeve.sleeve_weight * float(of.scores[right, 0] + of.scores[left, 1])
+            cost += WRONG_SIDE if of.aside_m[left] < of.aside_m[right] else 0.0
             hands.append((pairs.points_m[[right, left]], cost))
     hands.sort(key=lambda hand: hand[1])
     least = hands[0][1] if hands else 0.0

@@ -244,6 +244,8 @@ class HypothesisParameters:
     sleeve: SleeveParameters = field(default_factory=SleeveParameters)
     offsets: OffsetParameters = field(default_factory=OffsetParameters)
     identity: IdentityParameters = field(default_factory=IdentityParameters)
+    # Before head and both hands are seen apart, the head and a lone hand are told already.
+    early: bool = True
     # Hypotheses kept.
     hypotheses: AboveZeroInt = 5
     # The estimate is the mean of the hypotheses within this of the best [log-odds].

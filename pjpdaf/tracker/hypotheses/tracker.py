@@ -23,6 +23,7 @@ from pjpdaf.tracker.hypotheses.costs import (
     piece_cost,
     side_evidence,
 )
+from pjpdaf.tracker.hypotheses.early import Early, early_sightings
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.head import HeadTrack, follow_head
 from pjpdaf.tracker.hypotheses.head_pieces import join_head
@@ -93,13 +94,16 @@ class HypothesisTracker:
         self.parameters = parameters if parameters is not None else HypothesisParameters()
         self.views = Views.of(self.cameras)
 
-    def start(self, detections: tuple[Detections, ...], /) -> HypothesisState | None:
-        """Return the first state, or None where head and hands are not clear yet: wait."""
+    def start(self, detections: tuple[Detections, ...], /) -> HypothesisState | Early | None:
+        """Return the first state, or None where nothing is clear yet: wait.
+
+        `Early` is the state while head and hands are not seen apart yet.
+        """
         p = self.parameters
         seen = tuple(Blobs.of(view) for view in detections)
         opened = open_tracks(seen, self.views, p)
         if opened is None:
-            return None
+            return early_sightings(seen, self.views, p) if p.early else None
         P = np.tile(np.eye(3) * START_SD_M**2, (2, 1, 1))
         hypotheses = tuple(
             Hypothesis(0.0, cost, hands, P, np.zeros(2)) for hands, cost in opened.hands
@@ -111,12 +115,17 @@ class HypothesisTracker:
             opened.head, hypotheses, estimates, area, opened.longest_m, skew=skew
         )
 
-    def estimates(self, state: HypothesisState, /) -> Estimates:
+    def estimates(self, state: HypothesisState | Early, /) -> Estimates:
         """Return the estimates of a state."""
         return state.estimates
 
-    def predict(self, state: HypothesisState, dt_s: float, /) -> Estimates:
-        """Return the estimates expected dt_s after `state`: the same places, less certain."""
+    def predict(self, state: HypothesisState | Early, dt_s: float, /) -> Estimates:
+        """Return the estimates expected dt_s after `state`: the same places, less certain.
+
+        Nothing is expected before the start.
+        """
+        if isinstance(state, Early):
+            return Estimates.waiting()
         m = self.parameters.motion
         head = spread(dt_s, m.head_weights, m.head_deviations_m)
         hand = spread(dt_s, m.weights, m.deviations_m)
@@ -124,29 +133,42 @@ class HypothesisTracker:
         return replace(state.estimates, covariances_m2=grown)
 
     def step(
-        self, state: HypothesisState, detections: tuple[Detections, ...], dt_s: float, /
-    ) -> tuple[HypothesisState, Estimates]:
+        self, state: HypothesisState | Early, detections: tuple[Detections, ...], dt_s: float, /
+    ) -> tuple[HypothesisState | Early, Estimates]:
         """Return the state and the estimates after the next frame, dt_s later."""
+        if isinstance(state, Early):
+            return self._early(detections)
         return self._step(state, detections, dt_s, None)
 
     def step_associated(
         self,
-        state: HypothesisState,
+        state: HypothesisState | Early,
         detections: tuple[Detections, ...],
         known: KnownTargets,
         dt_s: float,
         /,
-    ) -> tuple[HypothesisState, Estimates]:
+    ) -> tuple[HypothesisState | Early, Estimates]:
         """Step with the blob of the head and the choices of the hands that are nearest to known."""
+        if isinstance(state, Early):
+            return self._early(detections)
         return self._step(state, detections, dt_s, self._surfaces(state, known))
 
     def expecting(
-        self, state: HypothesisState, known: KnownTargets, dt_s: float, /
-    ) -> HypothesisState:
+        self, state: HypothesisState | Early, known: KnownTargets, dt_s: float, /
+    ) -> HypothesisState | Early:
         """Return the state with the likeliest hypothesis alone, moved to the known targets."""
+        if isinstance(state, Early):
+            return state
         surfaces = self._surfaces(state, known)
         hands = replace(state.hypotheses[0], means=surfaces[1:])
         return replace(state, head=replace(state.head, mean=surfaces[0]), hypotheses=(hands,))
+
+    def _early(
+        self, detections: tuple[Detections, ...]
+    ) -> tuple[HypothesisState | Early, Estimates]:
+        """A frame before the start, or the start."""
+        state = self.start(detections) or Early(Estimates.waiting())
+        return state, state.estimates
 
     def _surfaces(self, state: HypothesisState, known: KnownTargets) -> Floats:
         """Where the tracker sees known targets (3, 3) [m]: centres less the modelled offsets."""
@@ -258,10 +280,12 @@ class HypothesisTracker:
         costs = np.array([*[before] * len(face), behind])
         return np.concatenate([face, back[None]]), costs
 
-    def smoothed(self, states: tuple[HypothesisState, ...], /) -> Estimates:
+    def smoothed(self, states: tuple[HypothesisState | Early, ...], /) -> Estimates:
         """Return the estimates of the first state in the knowledge of the later ones."""
-        past = [Past(s.head, s.hypotheses, s.dt_s) for s in states]
         first = states[0]
+        if isinstance(first, Early):
+            return first.estimates
+        past = [Past(s.head, s.hypotheses, s.dt_s) for s in states if not isinstance(s, Early)]
         stated = either(first.doubt, halves_doubt(first.hypotheses, first.dt_s, self.parameters))
         return look_back(past, first.estimates, self.views, self.parameters, stated)
 

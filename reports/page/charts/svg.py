@@ -108,5 +108,5 @@ def legend(targets: Sequence[str]) -> str:
             + marker(target, x + 13, 14, 4)
             + f'<text x="{x + 32:.0f}" y="18">{LABELS[target]}</text>'
         )
-        x += 48 + 7.2 * len(LABELS[target])
+        x += 48 + 7.8 * len(LABELS[target])
     return "".join(parts)

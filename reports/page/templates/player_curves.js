@@ -47,6 +47,7 @@ function drawCurves(ep, i, second = null) {
   ep.frames.forEach((f, n) => { if (f % every === 0) ctx.fillText(String(f), x(n), foot + 13); });
   ctx.strokeStyle = ink.text; ctx.lineWidth = 1.4;
   ctx.beginPath(); ctx.moveTo(x(i), 0); ctx.lineTo(x(i), foot + 1); ctx.stroke();
+  nameLanes(ctx, w, tall + 8, rows);
 }
 
 function drawScale(ctx, w, y0, top, title) {

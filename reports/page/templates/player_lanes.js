@@ -15,18 +15,28 @@ function lanesOf(ep, second) {
   return rows;
 }
 
-// On a narrow screen a lane's name stands above it.
-const rowHeight = (w) => w > 600 ? 18 : 27;
+// On a narrow screen a lane's name stands above it, over the cursor.
+const rowHeight = (w) => w > 600 ? 18 : 29;
 
 function drawLanes(ctx, w, top, rows, ep, x, half) {
-  const narrow = w <= 600, left = leftOf(w);
+  const left = leftOf(w);
   rows.forEach((row, n) => {
-    const y0 = top + n * rowHeight(w), y = y0 + (narrow ? 13 : 1);
-    ctx.fillStyle = FAULTS.includes(row.kind) ? ink.text : ink.soft; ctx.textAlign = narrow ? "left" : "right";
-    ctx.fillText(row.text, narrow ? left : left - 8, y0 + 10.5);
+    const y = top + n * rowHeight(w) + (w > 600 ? 1 : 15);
     ctx.fillStyle = ink.grid; ctx.fillRect(left, y + 12, w - RIGHT - left, 1);
     if (row.kind === "exchange") drawChance(ctx, row.of, ep, x, half, y);
     else drawSpans(ctx, row, ep, x, half, y);
+  });
+}
+
+function nameLanes(ctx, w, top, rows) {
+  const wide = w > 600, left = leftOf(w);
+  ctx.textAlign = wide ? "right" : "left";
+  ctx.strokeStyle = ink.paper; ctx.lineWidth = 4; ctx.lineJoin = "round";
+  rows.forEach((row, n) => {
+    const at = [wide ? left - 8 : left, top + n * rowHeight(w) + (wide ? 10.5 : 11.5)];
+    if (!wide) ctx.strokeText(row.text, ...at);
+    ctx.fillStyle = FAULTS.includes(row.kind) ? ink.text : ink.soft;
+    ctx.fillText(row.text, ...at);
   });
 }
 

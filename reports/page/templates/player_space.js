@@ -68,8 +68,15 @@ function drawAxes(ctx, w, h, [low, high]) {
     const half = ctx.measureText(words).width / 2 + 3;
     ctx.fillText(words, Math.min(w - half, Math.max(half, x)), Math.min(h - 5, Math.max(12, y)));
   };
-  name(roomy ? "x, to the cameras" : "x", spot(middle[0], ey + (ey === high[1] ? 1 : -1) * (roomy ? 0.5 : 0.15) * radius, low[2]));
-  name(roomy ? "y, to the person’s left" : "y", spot(ex + (ex === high[0] ? 1 : -1) * (roomy ? 0.5 : 0.15) * radius, middle[1], low[2]));
+  // Beyond the numbers of an edge, and beside them where the edge is steep: they go on away from it.
+  const nameEdge = (words, edge, tick) => {
+    const [x, y] = spot(...tick), from = spot(...edge);
+    if (!roomy) return name(words[0], [x, y]);
+    const aside = Math.max(-1, Math.min(1, (x - from[0]) / 12));
+    name(words, [x + aside * (ctx.measureText(words).width / 2 + 8), y + (y < from[1] ? -16 : 16)]);
+  };
+  nameEdge("x, to the cameras", [middle[0], ey, low[2]], [middle[0], away(middle[0], ey, 1), low[2]]);
+  nameEdge("y, to the person’s left", [ex, middle[1], low[2]], [away(middle[1], ex, 0), middle[1], low[2]]);
   const top = spot(ux, uy, high[2]);
   name(roomy ? "z, up [m]" : "z", [top[0], top[1] - 8]);
   return spot;

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from pjpdaf.errors import FileError
+from pjpdaf.errors import BenchError, FileError
 from sim.dataset.check.fault import MISSING, Fault, FaultLog
 from sim.dataset.check.files import FileTree, tree_of
 from sim.dataset.files.conventions import conventions
@@ -21,6 +21,7 @@ from sim.dataset.files.layout import (
     is_sequence_name,
 )
 from sim.dataset.files.reading import read_json
+from sim.files import near_paths
 
 # Numbers of conventions.json without which a label cannot be read.
 _SCALES = (
@@ -46,8 +47,11 @@ class DatasetContents:
 def read_contents(root: Path, log: FaultLog) -> DatasetContents:
     """Find the files and sequences of a data set, and check its manifest and conventions.
 
-    Raises FileError where the folder is not a data set, or one of another version.
+    Raises BenchError where there is no such folder, FileError where it is not a data set, or one of
+    another version.
     """
+    if not root.exists():
+        raise BenchError(f"{root}: no such data set{near_paths(root)}")
     if not root.is_dir():
         raise FileError(root, "is not a data set: not a folder")
     tree = tree_of(root)

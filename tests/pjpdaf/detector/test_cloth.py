@@ -45,3 +45,16 @@ def test_hands_and_face_alone_are_no_cloth():
     picture, in_range, shirt = scene(CAMEL_BGR)
     skin = in_range & ~shirt
     assert cloth_mask(picture, skin, Face(np.array(SKIN_BGR), 100), FOCAL_PX) is None
+
+
+def test_a_small_shirt_is_cloth_where_its_colour_is_far_from_the_face():
+    """Of a person farther away less is in the skin range than of a near one with bare arms."""
+    orange, face = (66.0, 120.0, 180.0), Face(np.array(SKIN_BGR), 100)
+    picture, in_range, shirt = scene(orange)
+    far_px = 1.7 * FOCAL_PX
+    mask = cloth_mask(picture, in_range, face, far_px)
+    assert mask is not None
+    assert mask[cv2.erode(shirt.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0].mean() > 0.99
+    assert cloth_mask(picture, in_range, face, far_px, clear=False) is None
+    picture, in_range, _ = scene(CAMEL_BGR)
+    assert cloth_mask(picture, in_range, face, far_px) is None

@@ -26,8 +26,8 @@ LIGHTS = {
 }
 
 
-def face_of(small, foreground, chroma, focal_px, expected=None) -> Face | None:
-    _, inside = head_place(foreground, focal_px, expected)
+def face_of(small, foreground, chroma, focal_px, expected=None, to_shoulders=True) -> Face | None:
+    _, inside = head_place(foreground, focal_px, expected, to_shoulders)
     return None if inside is None else face_in(inside, small, chroma)
 
 
@@ -98,3 +98,17 @@ def test_the_views_faces_are_averaged_by_size():
 )
 def test_faces_that_the_fixed_range_holds(bgr, fits):
     assert Face(np.array(bgr, float), 9).fits is fits
+
+
+def test_the_shirt_below_the_chin_is_not_the_face():
+    """Of a person far away a head's usual height reaches down to a shirt of a colour near skin."""
+    shirt = (70, 120, 180)
+    scene, mask = person(REFERENCE_BGR, shirt, hair_bgr=(30, 35, 45))
+    mask[51, 74:87] = 1
+    far_px = 2.2 * FOCAL_PX
+    face = face_of(scene, mask, GREY, far_px)
+    assert face is not None
+    np.testing.assert_allclose(face.bgr, REFERENCE_BGR, atol=2)
+    deeper = face_of(scene, mask, GREY, far_px, to_shoulders=False)
+    assert deeper is not None
+    np.testing.assert_allclose(deeper.bgr, shirt, atol=2)

@@ -38,7 +38,7 @@ def verdict():
 def test_what_is_capped_is_marked(verdict):
     section = gate_section(verdict, ())
     assert [row.cells[2].text for row in section.table.rows[:2]] == ["+12* mm", "+12"]
-    assert section.capped == ("2 of 24 differences of error_mm are capped at 30 mm",)
+    assert section.capped == ("2 of 24 differences of 3-D error are capped at 30 mm",)
     assert [w.text for w in section.worse] == [
         "drink, seed 3: at least +121.0 mm, swapped",
         "cross, seed 0: +12.0 mm",

@@ -110,8 +110,10 @@ def test_half_a_run_json_and_no_run_at_all(run, tmp_path):
     path.write_text(path.read_text(encoding="utf-8")[:100], encoding="utf-8")
     with pytest.raises(BenchError, match=r"run\.json: is damaged"):
         load(run)
-    with pytest.raises(BenchError, match="no such run"):
+    with pytest.raises(BenchError, match="no such run; give the folder that `run --out` made"):
         load(tmp_path / "nowhere")
+    with pytest.raises(BenchError, match=rf"no such run; did you mean {run}\?; give the folder"):
+        load(run.with_name(f"{run.name}s"))
     shutil.rmtree(run / "pictures")
     path.unlink()
     with pytest.raises(BenchError, match="is not a saved run"):

@@ -39,6 +39,9 @@ def test_pictures_of_scenarios_are_drawn_in_worker_processes_once(tmp_path):
         assert picture.caption.startswith("frame ")
 
     class Refusing:
+        def running_steps(self):
+            return 0
+
         def outcomes(self, function, tasks, limit_s):
             assert not tasks, "what is kept is not drawn again"
             return iter(())

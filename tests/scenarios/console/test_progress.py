@@ -49,6 +49,18 @@ def test_frames_of_finished_and_of_running_parts_are_summed():
     assert meter.figures().startswith("100/100 frames")
 
 
+def test_a_total_that_grows():
+    meter, clock = metered(total=None)
+    assert meter.share is None
+    meter.expect(10)
+    for clock.now_s in (1.0, 2.0):
+        meter.step()
+        figures = meter.figures()
+    assert figures == "2/10 frames, 8 s left"
+    meter.expect(5)
+    assert meter.figures() == "2/15 frames, 13 s left"
+
+
 def test_what_was_finished_before_is_no_part_of_the_pace():
     meter, clock = metered(finished=90)
     for clock.now_s in (1.0, 2.0, 3.0):

@@ -300,6 +300,10 @@ def test_a_missing_sequence_is_named_but_for_an_unfinished_data_set(copied):
 def test_what_is_no_data_set_says_so(tmp_path):
     with pytest.raises(BenchError, match=r"is not a data set: has no manifest.json"):
         sim.dataset.open(tmp_path)
+    (tmp_path / "rooms").mkdir()
+    near = tmp_path / "rooms"
+    with pytest.raises(BenchError, match=rf"no such data set; did you mean {near}\?$"):
+        sim.dataset.open(tmp_path / "room")
 
 
 # --- labels in floats ----------------------------------------------------------------------------

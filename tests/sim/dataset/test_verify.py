@@ -107,5 +107,5 @@ def test_no_damage_to_any_file_is_raised(copy):
 def test_a_folder_that_is_no_data_set_is_refused(tmp_path):
     with pytest.raises(BenchError, match="is not a data set"):
         verify(tmp_path)
-    with pytest.raises(BenchError, match="not a folder"):
+    with pytest.raises(BenchError, match="no such data set"):
         verify(tmp_path / "nothing")
