@@ -13,7 +13,16 @@ from pathlib import Path
 from scenarios.execute.local import PLAYED_WITH, local_executor
 from sim.processes import Answer
 
-CLEAN = f"import time, {', '.join(PLAYED_WITH)}; print(time.process_time())"
+# As the server imports: `sim.worker_server`.
+CLEAN = f"""
+import gc, time
+gc.disable()
+import {", ".join(PLAYED_WITH)}
+gc.enable()
+gc.collect()
+gc.freeze()
+print(time.process_time())
+"""
 TRIES = 5
 
 

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pyarrow as pa
-import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 MAX_BYTES = 256 << 20  # of a file
@@ -63,6 +62,8 @@ def _check_sizes(metadata: pq.FileMetaData) -> None:
 
 
 def _check_text(name: str, column: pa.ChunkedArray) -> None:
+    import pyarrow.compute as pc  # late: it takes a thirtieth of a command's start
+
     size = 0
     for chunk in column.chunks:
         lengths = pc.binary_length(chunk.dictionary.cast(pa.binary()))

@@ -98,9 +98,9 @@ def test_the_example_uses_only_inputs_that_there_are():
     assert used == set(inputs)
 
 
-def played(folder, tracker, out):
+def played(folder, tracker, out, baseline="base"):
     """Run the play step of the action."""
-    done = shell(
+    return shell(
         step("Play")["run"],
         folder,
         TARGETS="cross",
@@ -108,14 +108,15 @@ def played(folder, tracker, out):
         DETECTOR="default",
         OPTIONS=TINY,
         OUT=out,
+        BASELINE=baseline,
     )
-    assert done.returncode == 0, done.stderr
 
 
 def play_and_accept(folder):
     """Run the play step of the action with our own example as the tracker; its run is the base."""
     (folder / "own_tracker.py").write_text((ROOT / "examples/own_tracker.py").read_text())
-    played(folder, "own_tracker:NearestBlob", "runs/mine")
+    done = played(folder, "own_tracker:NearestBlob", "runs/mine")
+    assert done.returncode == 0, done.stderr
     done = shell("pjpdaf-bench baseline accept runs/mine base", folder)
     assert done.returncode == 0, done.stderr
 
@@ -148,6 +149,7 @@ def test_the_action_plays_a_tracker_of_ones_own_and_passes_it(folder):
     assert done.returncode == 0, done.stderr
     assert output == "verdict=pass\n"
     assert "✅ identical" in summary
+    assert "Gate passed" in (folder / "runs/mine/report.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.long
@@ -163,12 +165,26 @@ def test_the_action_fails_on_a_faulty_margin_and_keeps_the_exit_code(folder):
 @pytest.mark.parametrize(("allow", "code"), [("true", 0), ("false", 3)])
 def test_inconclusive_is_a_warning_of_the_action_unless_it_shall_fail(folder, allow, code):
     if not (folder / "runs/other").exists():
-        played(folder, "default", "runs/other")
+        assert played(folder, "default", "runs/other").returncode == 0
     done, output, summary = compared(folder, "base", "runs/other", allow=allow)
     assert (done.returncode, output) == (code, "verdict=inconclusive\n"), done.stderr
     assert "inconclusive" in summary
     assert read(ACTION)["inputs"]["allow-inconclusive"]["default"] == "true"
     assert read(GITLAB)["tracking"]["allow_failure"]["exit_codes"] == 3
+
+
+@pytest.mark.long
+def test_episodes_without_a_result_end_the_action_unless_they_are_compared(folder):
+    (folder / "broken.py").write_text(
+        "from own_tracker import NearestBlob\n\n\nclass Broken(NearestBlob):\n"
+        "    def step(self, state, seen, dt_s):\n        raise RuntimeError\n"
+    )
+    assert played(folder, "broken:Broken", "runs/alone", baseline="").returncode == 5
+    done = played(folder, "broken:Broken", "runs/broken")
+    assert done.returncode == 0
+    assert "::warning::pjpdaf-bench: some episodes gave no result" in done.stdout
+    done, output, _ = compared(folder, "base", "runs/broken")
+    assert (done.returncode, output) == (1, "verdict=fail\n"), done.stderr
 
 
 def test_the_cache_of_the_action_has_a_key_of_what_is_played(folder):
@@ -292,3 +308,4 @@ def test_gitlabs_script_does_the_same(folder):
     assert done.returncode == 0, done.stderr
     assert (folder / job["artifacts"]["reports"]["junit"]).is_file()
     assert "pass: the same results as the base, bit for bit (1 paired episode)" in done.stdout
+    assert "Gate passed" in (folder / variables["OUT"] / "report.html").read_text(encoding="utf-8")

@@ -136,4 +136,7 @@ def advice_lines(advice: Advice) -> tuple[str, ...]:
     chance = ""
     if advice.power is not None:
         chance = f", a clear verdict of each metric in {100 * advice.power:.0f} % of all cases"
-    return f"why: {advice.reason}", f"to decide: --seeds {advice.seeds} of both{chance}"
+    remedy = f"--seeds {advice.seeds} of both"
+    if not advice.commands:
+        remedy = f"play both on a set of `dataset make --seeds {advice.seeds}`, or more scenarios"
+    return f"why: {advice.reason}", f"to decide: {remedy}{chance}"

@@ -17,7 +17,6 @@ from scenarios.play.job import Job, digest_of
 from scenarios.play.recipe import sized
 from scenarios.spec.draw import perform
 from scenarios.spec.motion.plugged import PluggedMotion
-from sim.dataset.stored_sequence import StoredSequence
 from sim.recording.recorder import RecordedSimulation
 from sim.script import Performance
 from sim.sequence import Simulation
@@ -73,6 +72,9 @@ def open_footage(job: Job) -> Iterator[Footage]:
     What is rendered is kept in the cache, and comes from there the next time.
     """
     if job.kept is not None:
+        # Late: only who plays a data set needs to read Parquet.
+        from sim.dataset.stored_sequence import StoredSequence
+
         yield StoredSequence(job.kept, {})
         return
     cache = footage_cache(job)

@@ -18,7 +18,7 @@ from pjpdaf.targets import TARGETS
 from reports.pictures.film import FilmWriter, film_suffix
 from reports.pictures.overlay import overlay_picture
 from reports.summary.text import count
-from reports.words import MEASURE_WORDS
+from reports.words import MEASURE_WORDS, event_text
 from scenarios.console.interrupts import unwritten_if_interrupted
 from scenarios.console.lines import print_line
 from scenarios.execute.isolated import try_plug_ins
@@ -88,11 +88,9 @@ def replay_verb(request: ReplayRequest) -> None:
     for event in result.events:
         stage = result.blame.get((event.kind, event.target, event.first))
         fault = f", blame: {stage}" if stage else ""
-        print_line(
-            f"  {event.kind} of {TARGETS[event.target]}: frames {event.first} to {event.last}"
-            f"{fault}",
-            out,
-        )
+        names = {"target": TARGETS[event.target], "other": TARGETS[event.other]}
+        words = event_text({"kind": event.kind, **names})
+        print_line(f"  {words}: frames {event.first} to {event.last}{fault}", out)
     if replayed.expected:
         rho = result.robustness.measures[replayed.expected]
         outcome = "fails as the file says" if rho < 0 else "does not fail any more"

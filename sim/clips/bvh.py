@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 from pjpdaf.arrays import Floats
 from pjpdaf.errors import BenchError
@@ -248,6 +247,9 @@ def _slow(values: Floats, frame_s: float) -> Floats:
 
     Of long clips at a high rate it is taken of every k-th frame, still 50 in a deviation.
     """
+    # Late: loading it takes a twentieth of the start of a worker, and few read clips.
+    from scipy.ndimage import gaussian_filter1d
+
     sigma = _WANDER_S / frame_s
     every = max(1, int(sigma / 50)) if sigma * len(values) > 5e6 else 1
     few = gaussian_filter1d(values[::every], sigma / every, axis=0, mode="nearest")

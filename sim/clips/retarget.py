@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.ndimage import gaussian_filter1d
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
@@ -197,6 +196,8 @@ def _arms(
     clip: Clip, fit: Fit, scene: SceneSpec, track: _Track, swivel_rad: float
 ) -> tuple[Floats, Floats]:
     """Quaternions (m, 2, 4) of the hands and swivels (m, 2) beyond the habit, over the grid."""
+    from scipy.ndimage import gaussian_filter1d  # late, as in `bvh`
+
     grid = track.times_s
     steady = _STEADY_S / float(grid[1] - grid[0])
     turns, swivels = np.empty((len(grid), 2, 4)), np.zeros((len(grid), 2))

@@ -87,6 +87,9 @@ def test_an_interval_that_is_too_wide_is_named_with_its_margin(runs):
     assert "swapped may be " in verdict.advice.reason
     assert ", its margin is 0.02" in verdict.advice.reason
     assert verdict.advice.commands == ()  # these runs do not say how they were started
+    assert (
+        "to decide: play both on a set of `dataset make --seeds " in advice_lines(verdict.advice)[1]
+    )
 
 
 def test_a_difference_at_the_margin_is_not_promised_a_verdict(few):
