@@ -10,6 +10,7 @@ from pjpdaf.arrays import Floats
 from pjpdaf.tracker.hypotheses.activity import share_of_motion, speed_after, tempered
 from pjpdaf.tracker.hypotheses.candidates import HALF, OTHER_HALF
 from pjpdaf.tracker.hypotheses.coasting import coasted, learnt_velocity
+from pjpdaf.tracker.hypotheses.memory import kept_share
 from pjpdaf.tracker.hypotheses.motion import correct, log_likelihood, spread, steps
 from pjpdaf.tracker.hypotheses.pairs import Pairs
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
@@ -58,7 +59,8 @@ class Sightings:
 
     own (n,) cost of each pair by itself; joint (n + 2, n + 2) of two together; odds (n,) that it is
     the right hand [log]; face_m (f, 3) places before the face and,
-    the last, behind the head; face_cost (f,).
+    the last, behind the head; face_cost (f,). motion (3, 3): shape of the hands' displacements,
+    None: the same along each axis.
     """
 
     pairs: Pairs
@@ -67,6 +69,7 @@ class Sightings:
     odds: Floats
     face_m: Floats
     face_cost: Floats
+    motion: Floats | None = None
 
 
 def nearest_choices(seen: Sightings, hands_m: Floats, held_m: Floats) -> tuple[int, int]:
@@ -136,7 +139,9 @@ def grow(
         k, right, left = (int(i) for i in np.unravel_index(index, total.shape))
         for side, choice in enumerate((right, left)):
             if (k, side, choice) not in moved:
-                moved[k, side, choice] = _moved(hypotheses[k], side, choice, points, C, dt_s, p)
+                moved[k, side, choice] = _moved(
+                    hypotheses[k], side, choice, points, C, dt_s, p, seen.motion
+                )
         hands = moved[k, 0, right], moved[k, 1, left]
         means = np.array([hand[0] for hand in hands])
         if any(np.abs(g.means - means).max() < SAME_M for g in grown):
@@ -168,9 +173,7 @@ def _kept_share(odds: Floats, dt_s: float, p: HypothesisParameters) -> float:
     It fades as far as this frame brings evidence of its own, which repeats it; a frame without any
     leaves what was known.
     """
-    memory_s = p.sleeve.memory_s
-    fade = float(np.exp(-dt_s / memory_s)) if memory_s > 0 else 0.0
-    return 1.0 - (1.0 - fade) * _told(odds, p)
+    return 1.0 - (1.0 - kept_share(dt_s, p.sleeve.memory_s)) * _told(odds, p)
 
 
 def _told(odds: Floats, p: HypothesisParameters) -> float:
@@ -219,6 +222,7 @@ def _moved(
     C: Floats,
     dt_s: float,
     p: HypothesisParameters,
+    shape: Floats | None,
 ) -> tuple[Floats, Floats, float, Floats]:
     """A hand after its choice: mean (3,), covariance (3, 3), time unseen, velocity (3,)."""
     m = p.motion
@@ -235,6 +239,7 @@ def _moved(
         dt_s,
         m.weights,
         m.deviations_m,
+        shape,
     )
     behind = choice == len(points) - 1  # the head: believed to be there, not seen
     if behind:

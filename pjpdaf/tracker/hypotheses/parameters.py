@@ -94,6 +94,8 @@ class NoiseParameters:
     hidden_share: NotNegative = 0.35
     # A difference between the moments of the two views is learnt and taken out.
     learn_skew: bool = True
+    # With such a difference, share of the deviations of movement that counts in depth, 1 = all [1].
+    skew_depth: AboveZero = 0.2
     # Of a hand somewhere at the face, per axis [m].
     face_m: AboveZero = 0.06
     # Places before the face, from its middle: sideways and up or down [m]; 0 = its middle alone.
@@ -132,6 +134,8 @@ class CostParameters:
     behind: NotNegative = 2.0
     # Two hands on one blob, undivided.
     same_blob: NotNegative = 4.0
+    # Of two hands on one blob of bare arms, one at an end, where the other is no hand: the elbow.
+    end_and_half: NotNegative = 4.0
     # A half whose other half is nobody's.
     lone_half: NotNegative = 4.0
     # A split.

@@ -36,8 +36,9 @@ from pjpdaf.tracker.hypotheses.hypothesis import (
 )
 from pjpdaf.tracker.hypotheses.identity import either, halves_doubt, hidden_doubt
 from pjpdaf.tracker.hypotheses.lag import Past, look_back
+from pjpdaf.tracker.hypotheses.memory import kept_share
 from pjpdaf.tracker.hypotheses.missing_hand import hand_missing
-from pjpdaf.tracker.hypotheses.motion import spread
+from pjpdaf.tracker.hypotheses.motion import shallow, spread
 from pjpdaf.tracker.hypotheses.opening import open_tracks
 from pjpdaf.tracker.hypotheses.pairs import Pairs, pair_candidates
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
@@ -206,6 +207,7 @@ class HypothesisTracker:
             ),
             face_m,
             face_cost,
+            self._motion(state),
         )
         only = None
         if known_m is not None:
@@ -230,6 +232,14 @@ class HypothesisTracker:
             hanging,
         )
         return after, estimates
+
+    def _motion(self, state: HypothesisState) -> Floats | None:
+        """Shape (3, 3) of the hands' displacements: where the views' moments differ, a hand seems
+        to move in depth when it only moves across, so that less of it is believed.
+        """
+        if state.skew is None or state.skew.seconds == 0.0:
+            return None
+        return shallow(self.views.axes, self.parameters.noise.skew_depth)
 
     def _learnt_skew(
         self,
@@ -356,7 +366,7 @@ class HypothesisTracker:
                     lengths.append(view.length_m(blob, metre_px))
         longest = max((length for length in lengths if length < LONGEST_M), default=state.longest_m)
         memory_s = LONGER_S if longest > state.longest_m else SHORTER_S
-        share = 1.0 - float(np.exp(-dt_s / memory_s))
+        share = 1.0 - kept_share(dt_s, memory_s)
         return state.longest_m + share * (longest - state.longest_m)
 
 
