@@ -1,7 +1,7 @@
-"""The pictures of README.md and docs/stress_estimates.md, made anew from what the commands write.
+"""The pictures of README.md and of some pages of docs/, made anew from what the commands write.
 
 python examples/readme_pictures.py                # all of them, some minutes; needs chromium
-python examples/readme_pictures.py labels map     # some: hero, labels, gate, map, strip
+python examples/readme_pictures.py labels map     # some of them, by the names of `MADE`
 """
 
 from __future__ import annotations
@@ -25,10 +25,22 @@ from pjpdaf.arrays import Image
 from reports.dataset import label_colours
 from reports.pictures.encode import picture_of, webp_of
 from reports.pictures.overlay import draw_text
+from reports.pictures.resize import resized
 from reports.pictures.truth_overlay import draw_outlines
+from scenarios.catalogue.frame_choice import hardest_frame, truths_without_pictures
+from scenarios.spec.draw import perform
+from scenarios.spec.loader import load_scenario_file
+from scenarios.spec.names import load_scenario
+from sim.sequence import Simulation
+from sim.silhouettes.film import film_of
+from sim.silhouettes.painter import Painter
+from sim.silhouettes.shapes import BARE, CLOTHED, PAINTS, TARGET_PAINT
 
 PICTURES = Path(__file__).parents[1] / "docs/pictures"
 HERO_FRAME, LABEL_FRAME = 18, 12
+MOTION = Path(__file__).parent / "motion/tidy_up.yaml"
+MOTION_TIMES_S = (1.0, 3.5, 4.75, 5.5, 6.5, 7.5, 9.75, 11.75)
+PAINTED = ("drink", "merge_and_hold")
 GATE_SCENARIOS = ("cross", "clap", "fast_finish", "hand_under_table")
 TILE_PX, GAP_PX, STRIP_PX = 320, 6, 30
 FINE = 4  # bits of a pixel's fraction, for OpenCV
@@ -177,6 +189,39 @@ def strip(work: Path) -> None:
         _write("stress_strip.webp", _decoded(shot), 84)
 
 
+def motion(_: Path) -> None:
+    """The left view at some moments of examples/motion/tidy_up.yaml, with the time."""
+    performance = perform(load_scenario_file(MOTION), 1)
+    tiles = []
+    with Simulation(performance) as simulation:
+        for time_s in MOTION_TIMES_S:
+            tile = resized(simulation.render(round(time_s * performance.fps)).light[0], TILE_PX)
+            draw_text(tile, f"{time_s:.1f} s", (8, 22), (255, 255, 255), 0.6)
+            tiles.append(tile)
+    rows = [np.hstack(tiles[at : at + 4]) for at in range(0, len(tiles), 4)]
+    _write("own_motion.webp", np.vstack(rows), 84)
+
+
+def painted(_: Path) -> None:
+    """The left view of two frames, rendered, and as fast paints their silhouettes."""
+    colours = np.full((PAINTS, 3), 40, np.uint8)
+    colours[[CLOTHED, BARE]] = (150, 95, 55), (120, 150, 190)
+    colours[TARGET_PAINT:] = label_colours.TARGET_COLOURS
+    tiles = []
+    for name in PAINTED:
+        performance = perform(load_scenario(name), 0)
+        truths = list(truths_without_pictures(performance, range(performance.frames)))
+        frame = hardest_frame(truths).index
+        with Simulation(performance) as simulation:
+            rendered = simulation.render(frame).light[0]
+        classes = Painter(film_of(performance, 2, everything=True)).paint(frame)[0].classes
+        silhouettes = cv2.resize(
+            colours[classes], rendered.shape[1::-1], interpolation=cv2.INTER_NEAREST
+        )
+        tiles += [resized(picture[:, 100:540], 280) for picture in (rendered, silhouettes)]
+    _write("fast_painted.webp", np.hstack(tiles), 84)
+
+
 @contextmanager
 def opened(page: Path, width: int, height: int) -> Iterator[Page]:
     with sync_playwright() as playwright:
@@ -213,6 +258,8 @@ MADE: dict[str, Callable[[Path], None]] = {
     "gate": gate,
     "map": map_,
     "strip": strip,
+    "motion": motion,
+    "painted": painted,
 }
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
+from pjpdaf.tracker.hypotheses.memory import kept_share
 from pjpdaf.tracker.hypotheses.parameters import MotionParameters
 
 AT_HEAD_M = 0.2  # nearer to the face, sleeves hardly tell the hands apart
@@ -35,7 +36,7 @@ def speed_after(
     if dt_s <= 0 or not seen.any():
         return before_mps
     now = (((after_m - before_m) / dt_s) ** 2).sum(axis=1)[seen].mean()
-    kept = np.exp(-dt_s / memory_s)
+    kept = kept_share(dt_s, memory_s)
     return float(np.sqrt(kept * before_mps**2 + (1.0 - kept) * now))
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pjpdaf.arrays import Floats
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.geometry import Views
+from pjpdaf.tracker.hypotheses.memory import kept_share
 from pjpdaf.tracker.hypotheses.pairs import Pairs
 
 GAP_M = 0.02  # that the silhouette may have between hand and head
@@ -77,7 +78,7 @@ def learnt_share(
     if not of:
         return share
     now = float((apart_cost(pairs[np.array(of)], hangs, 1.0, 1.0) == 0).mean())
-    return share + (1.0 - float(np.exp(-dt_s / MEMORY_S))) * (now - share)
+    return share + (1.0 - kept_share(dt_s, MEMORY_S)) * (now - share)
 
 
 def _cells(

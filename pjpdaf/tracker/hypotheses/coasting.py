@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pjpdaf.arrays import Floats
+from pjpdaf.tracker.hypotheses.memory import kept_share
 
 MEMORY_S = 0.12  # of the mean velocity of a hand that is seen
 FASTEST_MPS = 2.0
@@ -17,7 +18,7 @@ def learnt_velocity(velocity: Floats, moved_m: Floats, dt_s: float) -> Floats:
     """
     if dt_s <= 0:
         return velocity
-    fresh = 1.0 - float(np.exp(-dt_s / MEMORY_S))
+    fresh = 1.0 - kept_share(dt_s, MEMORY_S)
     mean = velocity + fresh * (moved_m / dt_s - velocity)
     speed = float(np.linalg.norm(mean))
     return np.asarray(mean * min(1.0, FASTEST_MPS / max(speed, 1e-9)))
@@ -31,5 +32,5 @@ def coasted(velocity: Floats, dt_s: float, coast_s: float) -> tuple[Floats, Floa
     """
     if coast_s <= 0:
         return np.zeros(3), velocity
-    left = float(np.exp(-dt_s / coast_s))
+    left = kept_share(dt_s, coast_s)
     return np.asarray(velocity * coast_s * (1.0 - left)), np.asarray(velocity * left)

@@ -6,6 +6,8 @@ other the fingers that are left in sight still do.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
 
@@ -24,8 +26,8 @@ def fingers_of_halves(
 ) -> Floats:
     """Which way the fingers of pairs that are halves point in each view, (2, n, 2), 0 of others.
 
-    hand_area_m2: of a whole hand. Of blobs that are candidates as a whole too: no pieces of the
-    head's.
+    hand_area_m2: of a whole hand, below which no blob is two. Of blobs that are candidates as a
+    whole too: no pieces of the head's.
     """
     fingers = np.zeros((2, len(pairs), 2))
     pixels, depth = views.project(pairs.points_m)
@@ -37,6 +39,8 @@ def fingers_of_halves(
                 continue
             first = [int(of[0]) for of in halves]
             metre_px = float(views.focal_px[v] / depth[v, first].mean())
+            if view.areas_px[b] < hand_area_m2 * metre_px**2:
+                continue
             found = half_fingers(
                 view.looks.pixels[b],
                 view.looks.pixel_area_px**0.5,
@@ -63,24 +67,25 @@ def half_fingers(
     area hand_px and over its root, as `BlobLooks.fingers`. 0 where a half is too small to tell.
     """
     fingers = np.zeros((2, 2))
-    nearer = ((pixels[:, None] - centres_px) ** 2).sum(axis=2).argmin(axis=1)
-    disc = _disc(thin_px / step_px)
-    for half in range(2):
-        of = pixels[nearer == half]
-        if len(of) < LEAST:
+    low = pixels.min(axis=0)
+    column, row = np.rint((pixels - low) / step_px + 1).astype(np.intp).T  # a rim all round
+    way = centres_px[1] - centres_px[0]
+    second = (pixels - centres_px.mean(axis=0)) @ way > 0
+    grid = np.zeros((row.max() + 2, column.max() + 2), np.uint8)
+    disc = _disc(round(thin_px / step_px, 1))
+    for half, of in enumerate((~second, second)):
+        if np.count_nonzero(of) < LEAST:
             continue
-        cells = np.rint((of - of.min(axis=0)) / step_px).astype(np.intp) + 1
-        width, height = cells.max(axis=0) + 2
-        mask = np.zeros((height, width), np.uint8)
-        mask[cells[:, 1], cells[:, 0]] = 1
-        thick = cv2.morphologyEx(mask, cv2.MORPH_OPEN, disc)[cells[:, 1], cells[:, 0]] > 0
-        middle = of[thick].mean(axis=0) if thick.any() else of.mean(axis=0)
-        fingers[half] = (of[~thick] - middle).sum(axis=0) * step_px**2 / hand_px**1.5
+        grid[row, column] = of
+        thick = cv2.morphologyEx(grid, cv2.MORPH_OPEN, disc)[row, column] > 0
+        middle = pixels[thick if thick.any() else of].mean(axis=0)
+        fingers[half] = (pixels[of & ~thick] - middle).sum(axis=0) * step_px**2 / hand_px**1.5
     return fingers
 
 
+@lru_cache(maxsize=64)
 def _disc(radius: float) -> np.ndarray:
-    """A disc of a radius in cells, uint8."""
+    """A disc of a radius in cells, uint8; not to be written to."""
     reach = int(np.ceil(radius))
     y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1]
     return np.asarray(x * x + y * y <= radius * radius + 0.5).astype(np.uint8)

@@ -10,6 +10,7 @@ from pjpdaf.arrays import Floats
 from pjpdaf.tracker.hypotheses.activity import share_of_motion, speed_after, tempered
 from pjpdaf.tracker.hypotheses.candidates import HALF, OTHER_HALF
 from pjpdaf.tracker.hypotheses.coasting import coasted, learnt_velocity
+from pjpdaf.tracker.hypotheses.memory import kept_share
 from pjpdaf.tracker.hypotheses.motion import correct, log_likelihood, spread, steps
 from pjpdaf.tracker.hypotheses.pairs import Pairs
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
@@ -172,9 +173,7 @@ def _kept_share(odds: Floats, dt_s: float, p: HypothesisParameters) -> float:
     It fades as far as this frame brings evidence of its own, which repeats it; a frame without any
     leaves what was known.
     """
-    memory_s = p.sleeve.memory_s
-    fade = float(np.exp(-dt_s / memory_s)) if memory_s > 0 else 0.0
-    return 1.0 - (1.0 - fade) * _told(odds, p)
+    return 1.0 - (1.0 - kept_share(dt_s, p.sleeve.memory_s)) * _told(odds, p)
 
 
 def _told(odds: Floats, p: HypothesisParameters) -> float:

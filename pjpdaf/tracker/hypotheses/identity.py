@@ -9,6 +9,7 @@ import numpy as np
 
 from pjpdaf.tracker.hypotheses.activity import share_of_motion
 from pjpdaf.tracker.hypotheses.hypothesis import Hypothesis
+from pjpdaf.tracker.hypotheses.memory import kept_share
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters, IdentityParameters
 
 LEAST = 1e-3  # less doubt than this is none
@@ -30,7 +31,7 @@ def hidden_doubt(
         apart_m = float(np.linalg.norm(hands.means[0] - hands.means[1]))
         if unseen_s * p.hidden_speed_mps < apart_m:
             return before
-        return 0.5 + (before - 0.5) * math.exp(-dt_s / p.hidden_memory_s)
+        return 0.5 + (before - 0.5) * kept_share(dt_s, p.hidden_memory_s)
     doubt = min(shifted(before, -side), 0.5)
     return doubt if doubt > LEAST else 0.0
 

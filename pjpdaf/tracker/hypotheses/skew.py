@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from pjpdaf.arrays import Floats
 from pjpdaf.tracker.hypotheses.geometry import Views
+from pjpdaf.tracker.hypotheses.memory import kept_share
 
 NOISE_PX = 1.0  # of a place across the lines, at 640 columns
 CERTAIN = 4.0  # deviations from 0 at which a skew is taken to be one
@@ -58,7 +59,7 @@ class Skew:
 
     def after(self, r_px: Floats, v_pxps: Floats, dt_s: float) -> Skew:
         """The sums with sightings (n,) of a frame dt_s later."""
-        kept = float(np.exp(-dt_s / MEMORY_S))
+        kept = kept_share(dt_s, MEMORY_S)
         use = np.abs(v_pxps) > LEAST_PXPS
         use &= np.abs(r_px) < 4 * self.noise_px + 1.5 * LONGEST_S * np.abs(v_pxps)
         r, v = r_px[use], v_pxps[use]

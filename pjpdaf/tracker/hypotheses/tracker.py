@@ -36,6 +36,7 @@ from pjpdaf.tracker.hypotheses.hypothesis import (
 )
 from pjpdaf.tracker.hypotheses.identity import either, halves_doubt, hidden_doubt
 from pjpdaf.tracker.hypotheses.lag import Past, look_back
+from pjpdaf.tracker.hypotheses.memory import kept_share
 from pjpdaf.tracker.hypotheses.missing_hand import hand_missing
 from pjpdaf.tracker.hypotheses.motion import shallow, spread
 from pjpdaf.tracker.hypotheses.opening import open_tracks
@@ -365,7 +366,7 @@ class HypothesisTracker:
                     lengths.append(view.length_m(blob, metre_px))
         longest = max((length for length in lengths if length < LONGEST_M), default=state.longest_m)
         memory_s = LONGER_S if longest > state.longest_m else SHORTER_S
-        share = 1.0 - float(np.exp(-dt_s / memory_s))
+        share = 1.0 - kept_share(dt_s, memory_s)
         return state.longest_m + share * (longest - state.longest_m)
 
 

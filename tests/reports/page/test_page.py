@@ -422,3 +422,13 @@ def test_on_a_phone_and_in_print(both, opened):
             "rgb(255, 255, 255)"
         )
         assert view.locator("[data-part=play]").is_hidden()
+
+
+def test_every_episode_has_the_command_that_plays_it_again(episode_of, tmp_path):
+    words = {"targets": ["smoke"], "seeds": None, "first_seed": 0, "only": [], "settings": []}
+    request = {**words, "dataset": None, "detections": None}
+    info = RunInfo("r", "thesis", detector="thesis", tracker="thesis", request=request)
+    text = build_page([load(save(tmp_path / "r", [episode_of(scenario="cross")], info))])
+    command = "pjpdaf-bench run smoke --only cross --first-seed 0 --seeds 1 --preset thesis"
+    assert f'data-command="{command}"' in text
+    assert "<dt>play the worst episode again</dt>" in text

@@ -215,7 +215,7 @@ def test_another_tracker_gives_another_result_on_the_same_pictures(made, kept):
         ({"only": ("cros",)}, "--only cros: not in it; did you mean cross?"),
         ({"tracker": "nobody"}, "nobody"),
         ({"settings": ("tracker.gat=4",), "tracker": "thesis"}, "gat"),
-        ({"dataset": Path("nowhere")}, "nowhere: is not a data set"),
+        ({"dataset": Path("nowhere")}, "nowhere: no such data set"),
     ],
 )
 def test_what_does_not_fit_is_one_line_before_anything_is_played(made, changes, said):
