@@ -124,7 +124,7 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("words", nargs="+", metavar="NAME | KEY=VALUE")
     parser.add_argument("--preset", choices=CHANGED_TRACKERS, default="default")
-    arguments = parser.parse_args()
+    arguments = parser.parse_intermixed_args()
     settings = tuple(word for word in arguments.words if "=" in word)
     only = tuple(word for word in arguments.words if "=" not in word)
     preset = arguments.preset

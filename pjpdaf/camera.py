@@ -134,17 +134,17 @@ def undistort_picture(camera: Camera, picture: np.ndarray) -> np.ndarray:
 
 
 def triangulate(cameras: tuple[Camera, ...], pixels: Floats) -> Floats:
-    """Triangulate a point (3,) [m] from its undistorted pixels (N, 2) in N >= 2 views.
+    """Triangulate points (..., 3) [m] from their undistorted pixels (N, ..., 2) in N >= 2 views.
 
     Linear triangulation by SVD (Eq. 3.45). NaN where the rays are parallel (point at infinity).
     """
     rows = []
-    for camera, (x, y) in zip(cameras, pixels, strict=True):
+    for camera, view in zip(cameras, pixels, strict=True):
         # Rows are scaled by the focal length: the null space is taken in angles, not pixels.
         M = camera.M / np.array([[camera.K[0, 0]], [camera.K[1, 1]], [1.0]])
+        x, y = view[..., 0, None], view[..., 1, None]
         rows.append(x / camera.K[0, 0] * M[2] - M[0])
         rows.append(y / camera.K[1, 1] * M[2] - M[1])
-    Q = np.linalg.svd(np.array(rows))[2][-1]
-    if abs(Q[3]) < 1e-12:
-        return np.full(3, np.nan)
-    return np.asarray(Q[:3] / Q[3])
+    Q = np.linalg.svd(np.stack(rows, axis=-2))[2][..., -1, :]
+    scale = np.where(np.abs(Q[..., 3:]) < 1e-12, np.nan, Q[..., 3:])
+    return np.asarray(Q[..., :3] / scale)

@@ -80,7 +80,7 @@ def run(
     no_cache: Annotated[
         bool,
         typer.Option(
-            "--no-cache", help="Render all pictures anew; `cache info` says what is kept."
+            "--no-cache", help="Render and detect all anew; `cache info` says what is kept."
         ),
     ] = False,
     resume: Annotated[

@@ -71,15 +71,13 @@ def _estimated(episode: Episode) -> Floats:
 
 def _located(episode: Episode, cameras: Sequence[Camera], pixels_of: Pixels) -> Floats:
     """Points (F, T, 3) triangulated from each frame's pixels (N, T, 2); NaN where one is."""
-    points = []
-    for frame in range(len(episode.frames)):
-        pixels = pixels_of(episode, frame, cameras)
-        seen = np.isfinite(pixels).all(axis=(0, 2))
-        found = np.full((pixels.shape[1], 3), np.nan)
-        for target in np.flatnonzero(seen):
-            found[target] = triangulate(tuple(cameras), pixels[:, target])
-        points.append(found)
-    return np.stack(points)
+    of_frames = [pixels_of(episode, frame, cameras) for frame in range(len(episode.frames))]
+    pixels = np.stack(of_frames, axis=1)  # (N, F, T, 2)
+    seen = np.isfinite(pixels).all(axis=(0, 3))
+    points = np.full((*seen.shape, 3), np.nan)
+    if seen.any():
+        points[seen] = triangulate(tuple(cameras), pixels[:, seen])
+    return points
 
 
 def _whole_pixels(episode: Episode, frame: int, cameras: Sequence[Camera]) -> Floats:

@@ -125,3 +125,12 @@ def test_wrong_shapes_are_named() -> None:
         Camera(np.eye(3), np.eye(3), np.zeros((3, 1)), 640, 480)
     with pytest.raises(ValueError, match=r"Camera\.distortion must have one of .* values, got 3"):
         Camera(np.eye(3), np.eye(3), np.zeros(3), 640, 480, np.zeros(3))
+
+
+def test_many_points_are_triangulated_as_one_by_one() -> None:
+    cameras = (*rig().cameras, turned())
+    pixels = np.random.default_rng(0).uniform(100.0, 500.0, (3, 4, 2, 2))
+    points = triangulate(cameras, pixels)
+    assert points.shape == (4, 2, 3)
+    for at in np.ndindex(4, 2):
+        assert points[at].tobytes() == triangulate(cameras, pixels[:, *at]).tobytes()

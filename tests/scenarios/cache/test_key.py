@@ -84,6 +84,29 @@ def test_another_library_counts(monkeypatch, library):
     assert key_of(JOB).digest == before.digest
 
 
+DERIVED = {
+    "detections": lambda footage, renderer="egl": keys.detections_key(footage, renderer, "recipe"),
+    "films": lambda footage, renderer="egl": keys.film_key(footage, renderer),
+}
+
+
+@pytest.mark.parametrize("kind", DERIVED)
+def test_what_is_derived_has_a_key_of_footage_renderer_and_code(kind, monkeypatch):
+    made, footage = DERIVED[kind], key_of(JOB)
+    before = made(footage)
+    assert made(key_of(JOB)) == before
+    assert made(key_of(OTHERS["seed"])) != before
+    assert made(footage, "another") != before
+    monkeypatch.setattr(keys, "detector_digest", lambda: "another")
+    monkeypatch.setattr(keys, "film_digest", lambda: "another")
+    assert made(footage) != before
+
+
+def test_another_recipe_counts():
+    one, two = (keys.detections_key(key_of(JOB), "egl", recipe) for recipe in "ab")
+    assert one != two
+
+
 def test_another_machine_counts(monkeypatch, tmp_path):
     before = key_of(JOB)
     info = tmp_path / "cpuinfo"

@@ -9,7 +9,14 @@ from pathlib import Path
 import pytest
 
 import sim
-from scenarios.cache.sources import simulator_digest, simulator_files, sources_digest
+from scenarios.cache.sources import (
+    DETECTOR,
+    FILM,
+    files_of,
+    simulator_digest,
+    simulator_files,
+    sources_digest,
+)
 
 ROOT = Path(sim.__file__).parent.parent
 IMPORTED = """
@@ -36,6 +43,28 @@ def test_all_that_draws_is_covered():
     imported = {Path(file).relative_to(ROOT).as_posix() for file in json.loads(done.stdout)}
     assert len(imported) > 80
     assert imported - {*simulator_files(ROOT)} <= NO_PICTURE
+
+
+# What these import for types and for words that they do not draw.
+NO_FILM = {
+    *(f"pjpdaf/{name}.py" for name in ("interfaces", "looks", "targets")),
+    *("sim/truth.py", "sim/event_names.py"),
+}
+DERIVED = {
+    "detections": (DETECTOR, "pjpdaf.detector.blob_detector, pjpdaf.detector.external", set()),
+    "films": (FILM, "reports.pictures.stills", NO_FILM),
+}
+
+
+@pytest.mark.parametrize("kind", DERIVED)
+def test_all_that_detects_or_draws_a_film_is_covered(kind):
+    names, modules, others = DERIVED[kind]
+    code = IMPORTED.replace("scenarios.spec.draw, sim.sequence, sim.recording.recorder", modules)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    imported = {Path(file).relative_to(ROOT).as_posix() for file in json.loads(done.stdout)}
+    assert len(imported) > 5
+    assert imported - {*files_of(names)} <= others
+    assert all((ROOT / name).exists() for name in names)
 
 
 def test_detectors_and_trackers_are_not():
