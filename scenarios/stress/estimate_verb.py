@@ -26,7 +26,7 @@ from scenarios.stress.estimate.correction import FullRuns, allocation, corrected
 from scenarios.stress.estimate.estimate import METHODS, MethodChoice, Sample, estimate
 from scenarios.stress.estimate.full_sample import failing_draws, passing_draws
 from scenarios.stress.estimate.outcomes import Outcomes
-from scenarios.stress.estimate.probability import Probability
+from scenarios.stress.estimate.probability import LEAST_ESS, MOST_WEIGHT, Probability
 from scenarios.stress.quarantine import name_quarantined
 from scenarios.stress.search_verb import goals_of
 from scenarios.stress.space import Space
@@ -223,8 +223,24 @@ def _reservations(records: Sequence[EstimateRecord]) -> list[str]:
     """A line for each inconclusive estimate."""
     return [
         f"inconclusive: {r.family} {GOAL_SHORT[r.goal]}: {r.ess:.0f} effective failures, largest "
-        f"weight {share_text(r.largest_weight)}; give it more --runs"
-        + (" and --full" if r.full_failing is not None else "")
+        f"weight {share_text(r.largest_weight)}; {_decides(r)}"
         for r in records
         if r.verdict == "inconclusive"
     ]
+
+
+def _decides(r: EstimateRecord) -> str:
+    """What would decide an inconclusive estimate: effective failures grow with the runs."""
+    too_few, weighted = r.ess < LEAST_ESS, r.largest_weight > MOST_WEIGHT
+    if r.method == "plain" or not (too_few or weighted):
+        return "more --full would decide it"
+    if r.ess < 1.0:
+        return f"too few to say how many more --runs than {r.runs + r.adaptation_runs} it needs"
+    times = max(LEAST_ESS / r.ess, r.largest_weight / MOST_WEIGHT)
+    return f"--runs {_up((r.runs + r.adaptation_runs) * times)} may decide it"
+
+
+def _up(number: float) -> int:
+    """Round up to two digits."""
+    step = 10 ** max(len(str(int(number))) - 2, 0)
+    return int(-(-number // step) * step)

@@ -118,6 +118,8 @@ def find_family(name: str) -> StressFamily:
         return _motion(name)
     if is_own(name):
         return StressFamily(load_scenario(name).name, name)
+    if name == "all" or "," in name:
+        raise BenchError(f"{name[:60]}: one case at a time; name one family, or a CASE.yaml")
     known = tuple(dict.fromkeys((*FAMILIES, *scenario_names())))
     hint = suggestion(name, known, "pjpdaf-bench scenarios list")
     raise BenchError(f"no family {name[:60]!r} to stress{hint}")

@@ -9,9 +9,11 @@ import pytest
 
 from pjpdaf.errors import BenchError
 from reports.stress.load import load_stress
+from reports.stress.records import EstimateRecord
 from scenarios.stress.campaign import CampaignRequest
 from scenarios.stress.compare_verb import CompareRequest, compare_verb, difference_plan
-from scenarios.stress.estimate_verb import EstimateRequest, estimate_verb
+from scenarios.stress.estimate_verb import EstimateRequest, _reservations, estimate_verb
+from scenarios.stress.families import find_family
 from scenarios.stress.map.explore import MapPlan, others_named
 from scenarios.stress.map_verb import MapRequest, map_verb
 from scenarios.stress.search_verb import goal_of
@@ -116,3 +118,34 @@ def test_options_that_are_refused(tmp_path) -> None:
         others_named("drwn")
     with pytest.raises(BenchError, match="--find all: must be one of swap, head, lost"):
         goal_of("all")
+    with pytest.raises(BenchError, match="cross,bounce: one case at a time; name one family"):
+        find_family("cross,bounce")
+
+
+@pytest.mark.parametrize(
+    ("ess", "weight", "method", "advice"),
+    [
+        (40.0, 0.04, "importance", "40 effective failures, largest weight 4 %; --runs 7500 may"),
+        (120.0, 0.1, "importance", "120 effective failures, largest weight 10 %; --runs 6000 may"),
+        (0.0, 1.0, "importance", "too few to say how many more --runs than 3000 it needs"),
+        (30.0, 0.01, "plain", "more --full would decide it"),
+    ],
+)
+def test_an_inconclusive_estimate_says_what_may_decide_it(ess, weight, method, advice) -> None:
+    record = EstimateRecord(
+        family="bounce",
+        goal="swap",
+        fidelity="full",
+        p=0.001,
+        low=0.0001,
+        high=0.01,
+        method=method,
+        verdict="inconclusive",
+        runs=2000,
+        adaptation_runs=1000,
+        failures=10,
+        ess=ess,
+        largest_weight=weight,
+    )
+    (line,) = _reservations([record])
+    assert advice in line
