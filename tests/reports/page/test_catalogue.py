@@ -131,6 +131,8 @@ def test_a_browser_shows_it_without_network(page, opened, tmp_path, scheme):
         assert (len(set(tops[:4])) == 4) == phone
         width = view.evaluate("document.documentElement.scrollWidth")
         assert width <= view.evaluate("innerWidth")
+        # The bar stays on top of the page and must not hide it.
+        assert view.locator(".topbar").bounding_box()["height"] < 110
         # By keyboard: skip link first, then the groups, then a suite's scenario.
         view.keyboard.press("Tab")
         assert view.evaluate("document.activeElement.textContent") == "Skip to the content"
