@@ -58,6 +58,12 @@ class Background:
                 f"Background.sd must have the shape of mean {self.mean.shape}, got {self.sd.shape}"
             )
 
+    @property
+    def bgr(self) -> np.ndarray:
+        """The mean as BGR, float32 (h, w, 3), 0-255."""
+        hsv = np.ascontiguousarray(self.mean)
+        return np.asarray(cv2.cvtColor(hsv, cv2.COLOR_HSV2BGR) * 255.0)
+
 
 @dataclass(frozen=True, eq=False)
 class BackgroundTest:

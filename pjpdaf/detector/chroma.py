@@ -47,7 +47,7 @@ class ChromaTest:
     @staticmethod
     def of(background: Background) -> ChromaTest:
         """Prepare the test of a reduced picture's background."""
-        bgr = cv2.cvtColor(np.ascontiguousarray(background.mean), cv2.COLOR_HSV2BGR) * 255.0
+        bgr = background.bgr
         chroma = np.ascontiguousarray(np.moveaxis(log_chroma(smoothed(bgr)), -1, 0))
         noise = np.maximum(background.sd[..., 2] * 255.0, LEAST_NOISE) * KEPT_NOISE
         return ChromaTest(

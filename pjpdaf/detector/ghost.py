@@ -14,8 +14,8 @@ import numpy as np
 
 from pjpdaf.arrays import readonly
 from pjpdaf.detector.background import Background
+from pjpdaf.detector.chroma import smoothed
 
-SMOOTH_PX = 0.8  # of the reduced picture
 AROUND_PX = 15, 25, 35  # sides of windows whose median is what is around, of the reduced picture
 SURFACE = 0.5  # share of the window that must look like its median: one surface, as a table is
 OBJECT = 0.15  # of log brightness, by which a thing or its shadow differs from what is around it
@@ -58,7 +58,7 @@ class GhostTest:
     @staticmethod
     def of(background: Background) -> GhostTest:
         """Prepare the test of a reduced picture's background."""
-        bgr = cv2.cvtColor(np.ascontiguousarray(background.mean), cv2.COLOR_HSV2BGR) * 255.0
+        bgr = background.bgr
         own = _logs(bgr)
         levels = np.rint(bgr).astype(np.uint8)
         return GhostTest(
@@ -101,5 +101,4 @@ def _off(own: np.ndarray, around: np.ndarray, side: int) -> np.ndarray:
 
 
 def _logs(bgr: np.ndarray) -> np.ndarray:
-    smooth = cv2.GaussianBlur(bgr.astype(np.float32), (0, 0), SMOOTH_PX)
-    return np.asarray(np.log(np.maximum(smooth, 4.0)))
+    return np.asarray(np.log(np.maximum(smoothed(bgr.astype(np.float32)), 4.0)))

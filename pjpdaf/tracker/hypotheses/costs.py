@@ -113,7 +113,7 @@ def joint_cost(
         pair += np.where(same_part, 0.5 * c.same_blob + 1.0, 0.0)
         pair += np.where(same & ~same_part & whole, 0.5 * c.same_blob, 0.0)
         pair += np.where(same & ~same_part & ends, c.same_blob, 0.0)
-        end_and_half = (part >= END)[:, None] & ((part == HALF) | (part == OTHER_HALF))[None, :]
+        end_and_half = (part >= END)[:, None] & half[None, :]
         pair += np.where(same & (end_and_half | end_and_half.T), 0.5 * c.end_and_half, 0.0)
         pair += 0.5 * c.lone_half * (lone.astype(float) + lone.T.astype(float))
         joint[:n, n:] += 0.5 * c.lone_half * half[:, None]
