@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pjpdaf.arrays import Bools, Floats, Ints
+from sim.vectors import dots
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,10 +62,10 @@ def contacts(a: Capsules, b: Capsules, least_m: float, counts: Bools) -> Contact
     counts (n, m): pairs that do. Most pairs are so far apart that balls about the bars are.
     """
     d1, d2 = a.ends_m - a.starts_m, b.ends_m - b.starts_m
-    reach = (0.5 * np.sqrt(_dot(d1, d1)) + a.radii_m)[:, None]
-    reach = reach + (0.5 * np.sqrt(_dot(d2, d2)) + b.radii_m)
+    reach = (0.5 * np.sqrt(dots(d1, d1)) + a.radii_m)[:, None]
+    reach = reach + (0.5 * np.sqrt(dots(d2, d2)) + b.radii_m)
     apart = (a.starts_m + 0.5 * d1)[:, None] - (b.starts_m + 0.5 * d2)
-    i, j = np.nonzero((_dot(apart, apart) < reach * reach) & counts)
+    i, j = np.nonzero((dots(apart, apart) < reach * reach) & counts)
     distance, between = _nearest(a.starts_m[i], d1[i], b.starts_m[j], d2[j])
     overlap = a.radii_m[i] + b.radii_m[j] - distance
     deep = overlap > least_m
@@ -76,19 +77,13 @@ def _nearest(p: Floats, d1: Floats, q: Floats, d2: Floats) -> tuple[Floats, Floa
     (..., 3) from second to first.
     """
     r = p - q
-    A, E, F, C, B = _dot(d1, d1), _dot(d2, d2), _dot(d2, r), _dot(d1, r), _dot(d1, d2)
+    A, E, F, C, B = dots(d1, d1), dots(d2, d2), dots(d2, r), dots(d1, r), dots(d1, d2)
     denominator = np.maximum(A * E - B * B, 1e-12)
     s = np.clip((B * F - C * E) / denominator, 0.0, 1.0)
     t = np.clip((B * s + F) / E, 0.0, 1.0)
     s = np.clip((B * t - C) / A, 0.0, 1.0)
     between = r + s[..., None] * d1 - t[..., None] * d2
-    return np.sqrt(_dot(between, between)), between
-
-
-def _dot(a: Floats, b: Floats) -> Floats:
-    """Scalar products over the last axis, of three: five times as fast as a sum over it."""
-    product = a * b
-    return np.asarray(product[..., 0] + product[..., 1] + product[..., 2])
+    return np.sqrt(dots(between, between)), between
 
 
 def capsule_gap(a: Capsules, b: Capsules) -> tuple[float, Floats]:
