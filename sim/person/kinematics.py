@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -26,7 +27,7 @@ MAX_ADDUCTION_RAD = math.radians(50.0)  # upper arm across the body, from straig
 
 @dataclass(frozen=True, eq=False)
 class Arm:
-    """An arm, world frame: joints (3,) [m]; rotations (3, 3) part -> world as in `sim.pose`.
+    """An arm, world frame: joints (3,) [m]; hand (3, 3) -> world as in `sim.pose`.
 
     short_m: how far the palm was pulled in because the target lay out of reach (0 = reached).
     swivel_rad: of the elbow, as it came out; swing (3,): how the elbow moves with it [m/rad].
@@ -36,12 +37,21 @@ class Arm:
     elbow_m: Floats
     wrist_m: Floats
     palm_m: Floats
-    upper_arm: Floats
-    forearm: Floats
     hand: Floats
     short_m: float
     swivel_rad: float
     swing: Floats
+
+    # Contact solves for many arms of which only the last has its bones looked at.
+    @cached_property
+    def upper_arm(self) -> Floats:
+        """Rotation (3, 3) of the upper arm."""
+        return bone_frame(self.shoulder_m, self.elbow_m)
+
+    @cached_property
+    def forearm(self) -> Floats:
+        """Rotation (3, 3) of the forearm."""
+        return bone_frame(self.elbow_m, self.wrist_m)
 
 
 def hand_rotation(side: int, inward_rad: float, down_rad: float, thumb_up_rad: float) -> Floats:
@@ -189,30 +199,27 @@ def solve_arm(
             swivel = max(swivel, circle.least_swivel_towards(forward, behind))
         return swivel
 
-    for _ in range(5):
-        wrist = within_reach(shoulder_m, palm_m - offset * hand[:, 0], a, b)
+    # A round leaves at most a fifth of the excess, or overshoots a little: the forearm follows.
+    for turns in range(6):
+        fingers = hand[:, 0]
+        wrist = within_reach(shoulder_m, palm_m - offset * fingers, a, b)
         circle = elbow_circle(side, shoulder_m, wrist, a, b)
         swivel = turned(circle)
         elbow = circle.elbow(swivel)
+        if turns == 5:
+            break
         fore = (wrist - elbow) / b
-        bend = math.acos(min(1.0, max(-1.0, float(fore @ hand[:, 0]))))
-        # A round leaves at most a fifth of the excess, or overshoots a little: the forearm follows.
+        bend = math.acos(min(1.0, max(-1.0, float(fore @ fingers))))
         if bend <= MAX_WRIST_BEND_RAD + 1e-4:
             break
-        axis = cross(hand[:, 0], fore)
+        axis = cross(fingers, fore)
         hand = about(axis / norm(axis), bend - MAX_WRIST_BEND_RAD) @ hand
-    wrist = within_reach(shoulder_m, palm_m - offset * hand[:, 0], a, b)
-    circle = elbow_circle(side, shoulder_m, wrist, a, b)
-    swivel = turned(circle)
-    elbow = circle.elbow(swivel)
-    palm = wrist + offset * hand[:, 0]
+    palm = wrist + offset * fingers
     return Arm(
         shoulder_m=shoulder_m,
         elbow_m=elbow,
         wrist_m=wrist,
         palm_m=palm,
-        upper_arm=bone_frame(shoulder_m, elbow),
-        forearm=bone_frame(elbow, wrist),
         hand=hand,
         short_m=norm(palm_m - palm),
         swivel_rad=swivel,
