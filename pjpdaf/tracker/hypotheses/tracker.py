@@ -15,6 +15,7 @@ from pjpdaf.tracker.hypotheses.arm_at_head import before_face, unsure_depth
 from pjpdaf.tracker.hypotheses.attached import apart_cost, attached, learnt_share
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.candidates import WHOLE, HeadPlace, candidates
+from pjpdaf.tracker.hypotheses.centres import outward
 from pjpdaf.tracker.hypotheses.costs import (
     area_cost,
     end_cost,
@@ -207,6 +208,7 @@ class HypothesisTracker:
             ),
             face_m,
             face_cost,
+            outward(pairs.part, seen, self.views.axes, p.offsets),
             self._motion(state),
         )
         only = None
