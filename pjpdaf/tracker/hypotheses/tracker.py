@@ -239,9 +239,10 @@ class HypothesisTracker:
         """Shape (3, 3) of the hands' displacements: where the views' moments differ, a hand seems
         to move in depth when it only moves across, so that less of it is believed.
         """
-        if state.skew is None or state.skew.seconds == 0.0:
+        depth = self.parameters.noise.skew_depth
+        if depth == 1.0 or state.skew is None or state.skew.seconds == 0.0:
             return None
-        return shallow(self.views.axes, self.parameters.noise.skew_depth)
+        return shallow(self.views.axes, depth)
 
     def _learnt_skew(
         self,
