@@ -44,8 +44,8 @@ CHANGED_TRACKERS = {  # about as dear as it was
 class Spent(NamedTuple):
     """CPU time [s] of an episode: rendered; replayed with another detector, or another tracker;
     the footage alone; detector and tracker alone. frames: it has; detected: of these, those that
-    the other tracker's predictions made the detector look at again; footage, detections, films:
-    bytes on the disk.
+    the other tracker's predictions made the detector look at again; footage, detections, films,
+    scenes: bytes on the disk.
     """
 
     frames: int
@@ -58,6 +58,7 @@ class Spent(NamedTuple):
     footage: int
     detections: int
     films: int
+    scenes: int
 
 
 def cpu_s(work: Callable[[Job], T], job: Job) -> tuple[float, T]:
@@ -111,7 +112,8 @@ def measure_once(job: Job) -> Spent:
     content = only_file(Kind.DETECTIONS).read_bytes()
     answers = len(arrays_from_bytes(content)[1]["frames"])
     sizes = [only_file(kind).stat().st_size for kind in Kind]
-    only_file(Kind.DETECTIONS).unlink()  # as if the detector were another
+    # As if the detector were another, but for what it sees in the empty room.
+    only_file(Kind.DETECTIONS).unlink()
     other_detector_s, detected = cpu_s(played, job)
     assert (rendered.replayed, tracked.replayed, detected.replayed) == (False, True, True)
     assert not detected.detections_kept
@@ -143,9 +145,9 @@ def main() -> None:
                     rows.append(done[1].value)
                     print(f"{jobs[done[0] - 1].name}: {rows[-1].frames} frames", flush=True)
     spent = Spent(*(sum(column) for column in zip(*rows, strict=True)))
+    sizes = spent.footage, spent.detections, spent.films, spent.scenes
     each = ", ".join(
-        f"{kind} {size / 1e3 / spent.frames:.1f} kB"
-        for kind, size in zip(Kind, (spent.footage, spent.detections, spent.films), strict=True)
+        f"{kind} {size / 1e3 / spent.frames:.1f} kB" for kind, size in zip(Kind, sizes, strict=True)
     )
     print(f"kept of a stereo frame: {each}")
     print(f"CPU per stereo frame, {spent.frames} frames, preset {preset}:")

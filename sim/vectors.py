@@ -16,6 +16,14 @@ def cross(a: Floats, b: Floats) -> Floats:
     return np.array([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0])
 
 
+def dots(a: Floats, b: Floats) -> Floats:
+    """Scalar products (...) of arrays (..., 3); to the bit as `(a * b).sum(axis=-1)`, which takes
+    five times as long over an axis of three.
+    """
+    product = a * b
+    return np.asarray(product[..., 0] + product[..., 1] + product[..., 2])
+
+
 def norm(a: Floats) -> float:
     """Length of a (3,) array."""
     x, y, z = a.tolist()

@@ -14,14 +14,14 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera, project, to_camera, undistort_points
 from pjpdaf.detector.adaptation import AdaptationParameters, BlobDetectorParameters
-from pjpdaf.detector.alignment import Alignment, align, moved
+from pjpdaf.detector.alignment import Alignment, moved
 from pjpdaf.detector.background import Background, BackgroundSums, BackgroundTest, prepare
-from pjpdaf.detector.chroma import ChromaTest, smoothed
+from pjpdaf.detector.chroma import ChromaTest
 from pjpdaf.detector.cloth import cloth_mask
 from pjpdaf.detector.components import Segments
 from pjpdaf.detector.detector import SkinDetector
 from pjpdaf.detector.ellipses import ellipse_axes, moments, undistort_moments
-from pjpdaf.detector.exposure import Exposure, exposure_of
+from pjpdaf.detector.exposure import Exposure
 from pjpdaf.detector.face import (
     ExpectedHead,
     Face,
@@ -36,6 +36,8 @@ from pjpdaf.detector.guidance import ANY, Guidance, Scope
 from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.detector.silhouette import foreground, opened, reduced, reduction, silhouette, turned
 from pjpdaf.detector.skin import skin_mask, to_hsv
+from pjpdaf.detector.small_picture import SmallPicture
+from pjpdaf.detector.still_scene import SCENE_FRAMES, StillScene, still_scene
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detections, Estimates
 from pjpdaf.looks import BlobLooks
@@ -43,22 +45,21 @@ from pjpdaf.targets import HEAD
 
 LATTICE_COLUMNS = 213  # pixels of a blob are kept on a lattice of about this many columns
 THIN = 0.5  # half-width of a finger over that of a palm, at most; a wrist's is about 0.7
-NOISE_FRAMES = 10  # of the background
 NEAREST_HEAD_M = 0.2  # depth of a head that can be looked for
 QUIETER = 0.8, 0.6  # floors of the deviations of S and V: averaging takes most of the noise out
 
 
 class View(NamedTuple):
-    """A view: picture uint8 (h, w, 3) as searched, and reduced; foreground, and that by chroma,
-    uint8, None before a background is learnt; face, and where it was looked for.
+    """A view: picture uint8 (h, w, 3) as searched; once a background is learnt the reduced picture,
+    foreground, and that by chroma, uint8; face, and where it was looked for.
     """
 
     picture: np.ndarray
-    small: np.ndarray
-    person: np.ndarray | None
-    coloured: np.ndarray | None
-    face: Face | None
-    place: HeadPlace | None
+    small: SmallPicture | None = None
+    person: np.ndarray | None = None
+    coloured: np.ndarray | None = None
+    face: Face | None = None
+    place: HeadPlace | None = None
 
 
 @final
@@ -101,26 +102,27 @@ class BlobDetector:
             return BlobDetector(base, adaptation=parameters.adaptation)
         return BlobDetector(base)
 
-    def learn(self, background: Iterable[StereoFrame]) -> BlobDetector:
+    def learn(
+        self, background: Iterable[StereoFrame], scene: StillScene | None = None
+    ) -> BlobDetector:
         """Return a detector that knows the person-free scene.
 
-        The first NOISE_FRAMES frames are kept to measure their noise, all others are read one at a
-        time. Raises BenchError where a view has fewer than background_learn_min pictures.
+        scene: of this background, where it is known. The first SCENE_FRAMES frames are kept to look
+        at it, all others are read one at a time. Raises BenchError where a view has fewer than
+        background_learn_min pictures.
         """
         frames = iter(background)
-        first = list(itertools.islice(frames, NOISE_FRAMES))
-        views = range(len(self.base.cameras))
+        first = list(itertools.islice(frames, SCENE_FRAMES))
         for frame in first:
             self.base.checked(frame)
         adapt = self.adaptation
-        exposures = tuple(
-            exposure_of([q for frame in first if (q := frame.pictures[view]) is not None])
-            if adapt.smooth_noise
-            else Exposure()
-            for view in views
+        exposures, alignment = scene or still_scene(
+            first,
+            self.base.cameras,
+            smooth_noise=adapt.smooth_noise,
+            align_views=adapt.align_views,
         )
-        sums = tuple(BackgroundSums() for _ in views)
-        alignment = _alignment(first, self.base.cameras) if adapt.align_views else None
+        sums = tuple(BackgroundSums() for _ in self.base.cameras)
 
         def watched() -> Iterable[StereoFrame]:
             for frame in itertools.chain(first, frames):
@@ -198,39 +200,39 @@ class BlobDetector:
         return ExpectedHead(centre_px, float(camera.K[0, 0]) / depth_m / step)
 
     def _view(self, view: int, picture: np.ndarray, expected: ExpectedHead | None) -> View:
-        small = reduced(picture)
         if not self._tests:
-            return View(picture, small, None, None, None, None)
-        hsv = to_hsv(small)
-        person, coloured = foreground(hsv, self._tests[view]), None
+            return View(picture)
+        small = SmallPicture.of(reduced(picture))
+        person, coloured = foreground(small.hsv, self._tests[view]), None
         if self.adaptation.test_chroma:
             coloured = self._chroma[view](small)
             person |= opened(coloured)
         focal_px = self._small_focal_px(view, picture)
         shoulders = self.adaptation.to_shoulders
         place, inside = head_place(person, focal_px, expected, shoulders)
-        face = None if inside is None else face_in(inside, small, self._chroma[view].median)
+        face = None if inside is None else face_in(inside, small.bgr, self._chroma[view].median)
         return View(picture, small, person, coloured, face, place)
 
     def _no_skin(self, number: int, view: View, face: Face | None) -> np.ndarray | None:
         """Clothes of the colour of skin and ghosts in the reduced picture, None without any."""
         cloth = self._cloth(number, view, face)
-        ghost = self._ghosts[number](view.small) if self._ghosts else None
+        ghost = None
+        if view.small is not None and self._ghosts:
+            ghost = self._ghosts[number](view.small)
         if ghost is None:
             return cloth
         return ghost if cloth is None else np.asarray(ghost | cloth)
 
     def _cloth(self, number: int, view: View, face: Face | None) -> np.ndarray | None:
         """Clothes of the colour of skin in the reduced picture, None without any."""
-        p = self.base.parameters
-        if face is None or view.person is None or not self.adaptation.split_clothes:
+        small, person, p = view.small, view.person, self.base.parameters
+        if small is None or person is None or face is None or not self.adaptation.split_clothes:
             return None
         balance = self.adaptation.balance_light and not face.fits
-        small = to_reference(view.small, face) if balance else view.small
-        skin = (skin_mask(to_hsv(small), p.skin) > 0) & (view.person > 0)
-        smooth = smoothed(view.small.astype(np.float32))
+        hsv = to_hsv(to_reference(small.bgr, face)) if balance else small.hsv
+        skin = (skin_mask(hsv, p.skin) > 0) & (person > 0)
         focal_px = self._small_focal_px(number, view.picture)
-        return cloth_mask(smooth, skin, face, focal_px, self.adaptation.clear_clothes)
+        return cloth_mask(small.logs, skin, face, focal_px, self.adaptation.clear_clothes)
 
     def _small_focal_px(self, number: int, picture: np.ndarray) -> float:
         return float(self.base.cameras[number].K[0, 0]) / reduction(picture.shape[1])
@@ -270,26 +272,6 @@ class BlobDetector:
             looks=BlobLooks(pixels, each, *directions(seen), shape),
         )
         return found, scope
-
-
-def _alignment(frames: list[StereoFrame], cameras: tuple[Camera, ...]) -> Alignment | None:
-    """Alignment of the views of a still scene, None where there is none to take out."""
-    if len(cameras) != 2:
-        return None
-    views = [[p for f in frames if (p := f.pictures[view]) is not None] for view in range(2)]
-    if not all(views):
-        return None
-    one, two = (np.rint(_mean(v)).astype(np.uint8) for v in views)
-    found = align((one, two), (cameras[0], cameras[1]))
-    return found if found is not None and found.matters else None
-
-
-def _mean(pictures: list[np.ndarray]) -> Floats:
-    """Mean of uint8 pictures; the sums are exact."""
-    total = np.zeros(pictures[0].shape)
-    for picture in pictures:
-        cv2.accumulate(picture, total)
-    return total / len(pictures)
 
 
 def directions(seen: Segments) -> tuple[Floats, Floats]:

@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from pjpdaf.arrays import Floats
+from reports.score.assignment import assignment
 from reports.score.mot import distances, present
 
 CUT_OFF_M = 0.15
@@ -45,7 +45,7 @@ def gospa(
         # A pair at the cut-off costs as much as one missed and one false target.
         near = between[frame][np.ix_(targets[frame], tracks[frame])]
         cost = np.minimum(near, cut_off_m) ** order
-        rows, columns = linear_sum_assignment(cost)
+        rows, columns = assignment(cost)
         paired = near[rows, columns] < cut_off_m
         pairs = int(paired.sum())
         out.append(

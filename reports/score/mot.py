@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from pjpdaf.arrays import Floats
+from reports.score.assignment import assignment
 from reports.score.score import Bools
 
 MATCH_M = 0.15  # a track farther from a target than this does not follow it
@@ -161,7 +161,7 @@ def _assigned(cost: Floats, allowed: Bools) -> list[tuple[int, int]]:
         return []
     # Dearer than any number of allowed pairs.
     dear = 1.0 + float(cost[allowed].sum()) * 2 + float(cost[allowed].max()) * cost.size
-    rows, columns = linear_sum_assignment(np.where(allowed, cost, dear))
+    rows, columns = assignment(np.where(allowed, cost, dear))
     return [(int(r), int(c)) for r, c in zip(rows, columns, strict=True) if allowed[r, c]]
 
 
@@ -170,7 +170,7 @@ def identity(truths_m: Floats, estimates_m: Floats, match_m: float = MATCH_M) ->
     targets, tracks = present(truths_m), present(estimates_m)
     near = np.nan_to_num(distances(truths_m, estimates_m), nan=np.inf) <= match_m
     together = near.sum(axis=0)  # (T, K): frames in which the pair is near
-    rows, columns = linear_sum_assignment(-together)
+    rows, columns = assignment(-together)
     hits = int(together[rows, columns].sum())
     return IdentityCounts(hits, int(tracks.sum()) - hits, int(targets.sum()) - hits)
 
@@ -195,7 +195,7 @@ def hota(truths_m: Floats, estimates_m: Floats, zero_m: float = 2 * MATCH_M) -> 
         if not len(rows_in) or not len(columns_in):
             continue
         place = np.ix_(rows_in, columns_in)
-        rows, columns = linear_sum_assignment(-(overall * similar)[place])
+        rows, columns = assignment(-(overall * similar)[place])
         rows, columns = rows_in[rows], columns_in[columns]
         hit = similar[rows, columns] >= ALPHAS[:, None] - EPS
         together[:, rows, columns] += hit

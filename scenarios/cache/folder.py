@@ -31,11 +31,20 @@ class Kind(StrEnum):
     FOOTAGE = "footage"
     DETECTIONS = "detections"
     FILMS = "films"
+    SCENES = "scenes"
 
     @property
     def suffix(self) -> str:
         """The ending of its files."""
-        return {Kind.FOOTAGE: ".rec", Kind.DETECTIONS: ".det", Kind.FILMS: ".film"}[self]
+        return SUFFIXES[self]
+
+
+SUFFIXES = {
+    Kind.FOOTAGE: ".rec",
+    Kind.DETECTIONS: ".det",
+    Kind.FILMS: ".film",
+    Kind.SCENES: ".scene",
+}
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Keys of an episode's footage, detections and film: everything that decides them."""
+"""Keys of an episode's footage, still scene, detections and film: everything that decides them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from reports.run.provenance import package_versions
-from scenarios.cache.sources import detector_digest, film_digest, simulator_digest
+from scenarios.cache.sources import (
+    detector_digest,
+    film_digest,
+    scene_digest,
+    simulator_digest,
+)
 from scenarios.spec.names import load_scenario
 from scenarios.spec.scenario import digest
 
@@ -57,6 +62,15 @@ def detections_key(footage: FootageKey, renderer: str, recipe: str) -> Mapping[s
     """
     drawn = {"footage": footage.digest, "renderer": renderer}
     return {**drawn, "recipe": recipe, "detector": detector_digest()}
+
+
+def scene_key(
+    footage: FootageKey, renderer: str, smooth_noise: bool, align_views: bool
+) -> Mapping[str, object]:
+    """The key of what a detector sees in the person-free frames of footage (`still_scene`)."""
+    drawn = {"footage": footage.digest, "renderer": renderer}
+    parts = {"smooth_noise": smooth_noise, "align_views": align_views}
+    return {**drawn, **parts, "scene": scene_digest()}
 
 
 def film_key(footage: FootageKey, renderer: str) -> Mapping[str, object]:

@@ -91,7 +91,7 @@ def info_lines(settings: CacheSettings) -> Iterator[str]:
 
 
 class _Derived(NamedTuple):
-    """A whole entry beside footage: its kind, the numbers of its frames."""
+    """A whole entry beside footage: its kind, the numbers of its frames, if it is of frames."""
 
     kind: Kind
     frames: list[int]
@@ -117,6 +117,7 @@ def _derived(entry: Entry) -> _Derived | None:
         return None
     try:
         _, arrays = arrays_from_bytes(entry.path.read_bytes())
-        return _Derived(entry.kind, arrays["frames"].tolist())
+        frames = [] if entry.kind == Kind.SCENES else arrays["frames"].tolist()
+        return _Derived(entry.kind, frames)
     except (OSError, ValueError, KeyError):
         return None

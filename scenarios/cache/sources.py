@@ -1,4 +1,4 @@
-"""Digests of the code that decides the pictures of an episode, its detections, its film."""
+"""Digests of the code that decides an episode's pictures, and what is kept beside them."""
 
 from __future__ import annotations
 
@@ -50,6 +50,18 @@ DETECTOR = (
     "scenarios/cache/answers.py",
     "scenarios/cache/array_file.py",
     "scenarios/play/kept_detections.py",
+    "scenarios/play/kept_scene.py",
+)
+# What takes part in a look at the person-free scene, and in keeping it: not the whole detector.
+SCENE = (
+    "pjpdaf/arrays.py",
+    "pjpdaf/camera.py",
+    "pjpdaf/detector/alignment.py",
+    "pjpdaf/detector/exposure.py",
+    "pjpdaf/detector/still_scene.py",
+    "pjpdaf/frames.py",
+    "scenarios/cache/array_file.py",
+    "scenarios/play/kept_scene.py",
 )
 # What takes part in the small film of an episode, and in keeping it.
 FILM = (
@@ -75,6 +87,12 @@ def simulator_digest() -> str:
 def detector_digest() -> str:
     """SHA-256 of the sources of the presets' detectors."""
     return files_digest(package_root(), map(package_root().joinpath, files_of(DETECTOR)))
+
+
+@functools.cache
+def scene_digest() -> str:
+    """SHA-256 of the sources that look at the person-free scene."""
+    return files_digest(package_root(), map(package_root().joinpath, files_of(SCENE)))
 
 
 @functools.cache

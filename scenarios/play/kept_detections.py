@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from typing import NamedTuple
 
 from pjpdaf.detector.guidance import ScopedDetector
@@ -16,6 +17,7 @@ from scenarios.cache.folder import Kind
 from scenarios.cache.key import detections_key
 from scenarios.play.footage import Footage, footage_cache, key_of
 from scenarios.play.job import Job
+from scenarios.play.kept_scene import KeptScene
 from sim.recording.recorder import RecordedSimulation
 from sim.recording.recording import Recording
 from sim.truth import Truth
@@ -26,24 +28,33 @@ MOST_ANSWERS = 8  # to a frame, to predictions that differ so much
 class KeptDetections:
     """A `Detector` whose answers are kept: what was asked before is not detected again.
 
-    detector: one without memory, which has learnt no background yet. It learns the footage's, and
-    looks at pictures, where no kept answer holds. answers: kept before, and after a run all;
-    added: number of new ones; reused_s: by frame, the time that a reused one took [s].
+    detector: one without memory, which has learnt no background yet; learnt: gives the one that has
+    learnt the footage's, where no kept answer holds and pictures are looked at. answers: kept
+    before, and after a run all; added: number of new ones; reused_s: by frame, the time that a
+    reused one took [s].
     """
 
     def __init__(
-        self, detector: ScopedDetector, footage: Footage, answers: Mapping[int, list[Answer]]
+        self,
+        detector: ScopedDetector,
+        learnt: Callable[[], ScopedDetector],
+        answers: Mapping[int, list[Answer]],
     ) -> None:
-        self._detector, self._footage = detector, footage
+        self._detector, self._learnt_here = detector, learnt
         self._learnt: ScopedDetector | None = None
         self.answers = {frame: list(kept) for frame, kept in answers.items()}
         self.added = 0
         self.reused_s: dict[int, float] = {}
 
     def learn(self, background: Iterable[StereoFrame]) -> Detector:
-        """Learn the background at once, from frames without a person."""
+        """Learn another background than the footage's."""
         self._learnt = self._detector.learn(background)
         return self
+
+    def learn_footage(self) -> ScopedDetector:
+        """Learn the footage's background at once."""
+        self._learnt = self._learnt_here()
+        return self._learnt
 
     def __call__(
         self, frame: StereoFrame, predicted: Estimates | None = None
@@ -55,11 +66,9 @@ class KeptDetections:
             if answer.holds(guidance):
                 self.reused_s[frame.index] = answer.detect_s
                 return answer.detections
-        if self._learnt is None:
-            self.learn(self._footage.background())
-            assert self._learnt is not None
+        learnt = self._learnt or self.learn_footage()
         started = time.perf_counter()
-        detections, scopes = self._learnt.detect(frame, predicted)
+        detections, scopes = learnt.detect(frame, predicted)
         answer = Answer(detections, scopes, time.perf_counter() - started)
         kept.append(answer)
         del kept[:-MOST_ANSWERS]
@@ -93,9 +102,10 @@ def watched(job: Job, footage: Footage, detector: Detector) -> Iterator[Watched]
         return
     store = DerivedCache(cache.settings, Kind.DETECTIONS)
     key = detections_key(key_of(job), footage.renderer, detector.recipe)
-    kept = KeptDetections(detector, footage, _read(store, key))
+    scene = KeptScene(cache.settings, key_of(job), footage)
+    kept = KeptDetections(detector, partial(scene.learnt, detector), _read(store, key))
     if not kept.answers:
-        kept.learn(footage.background())
+        kept.learn_footage()
     lazily = kept.answers and isinstance(footage, Recording)
     frames = footage.frames_on_demand() if lazily else footage.frames()
     yield Watched(kept, frames, kept.reused_s)

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from pjpdaf.arrays import Floats, Ints
 from pjpdaf.camera import Camera, undistort_points
 from pjpdaf.interfaces import Detections
 from pjpdaf.known_targets import KnownTargets
 from pjpdaf.looks import BlobLooks, looks_of_ellipses
+from reports.score.assignment import assignment
 from sim.truth import Truth, ViewTruth
 
 LEAST_VISIBLE_PX = 20  # fewer skin pixels than this are no detection
@@ -82,7 +82,7 @@ def shown_detections(truth: Truth, seen: Sequence[Detections], cameras: Sequence
             continue
         marks = undistort_points(camera, view.centroids_px[shown])
         far = np.linalg.norm(marks[:, None] - detections.centres_px[None], axis=-1)
-        rows, columns = linear_sum_assignment(np.minimum(far, 4 * SAME_PX))
+        rows, columns = assignment(np.minimum(far, 4 * SAME_PX))
         for row, column in zip(rows, columns, strict=True):
             if far[row, column] <= SAME_PX:
                 shown_by[n, shown[row]] = column

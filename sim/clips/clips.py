@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from pjpdaf.arrays import Floats, readonly
 from pjpdaf.errors import BenchError
+from sim.motion.splines import monotone
 from sim.pose import SIDES
 
 ARM_JOINTS = ("shoulder", "elbow", "wrist", "hand")
@@ -243,7 +243,7 @@ def _bridged(times_s: Floats, path: Floats) -> Floats:
     known_s = times_s[there]
     missing_s = np.clip(times_s[~there], known_s[0], known_s[-1])
     filled = path.copy()
-    filled[~there] = PchipInterpolator(known_s, path[there])(missing_s)
+    filled[~there] = monotone(known_s, path[there])(missing_s)
     return filled
 
 

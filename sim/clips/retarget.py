@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
@@ -32,6 +32,9 @@ from sim.person.kinematics import (
 from sim.pose import SIDES
 from sim.specs import SceneSpec
 from sim.vectors import norm
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 _TRUSTED_M = 0.08  # a palm that far from its record no longer has the recorded elbow
 
@@ -99,6 +102,8 @@ def retarget(
 
     scale multiplies the scale of the fit, lift_m is added to its lift.
     """
+    from scipy.interpolate import CubicSpline  # late, as in `bvh`
+
     anatomy = scene.anatomy
     fit = fit_of(clip, scene, scale, lift_m)
     held = _carriages(clip, fit.scale, anatomy)
@@ -196,7 +201,8 @@ def _arms(
     clip: Clip, fit: Fit, scene: SceneSpec, track: _Track, swivel_rad: float
 ) -> tuple[Floats, Floats]:
     """Quaternions (m, 2, 4) of the hands and swivels (m, 2) beyond the habit, over the grid."""
-    from scipy.ndimage import gaussian_filter1d  # late, as in `bvh`
+    from scipy.interpolate import CubicSpline  # late, as in `bvh`
+    from scipy.ndimage import gaussian_filter1d
 
     grid = track.times_s
     steady = _STEADY_S / float(grid[1] - grid[0])

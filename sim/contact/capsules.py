@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pjpdaf.arrays import Floats
+from pjpdaf.arrays import Bools, Floats, Ints
+from sim.vectors import dots
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,16 +39,51 @@ def overlaps(a: Capsules, b: Capsules) -> tuple[Floats, Floats, Floats]:
     """
     p, d1 = a.starts_m[..., :, None, :], (a.ends_m - a.starts_m)[..., :, None, :]
     q, d2 = b.starts_m[..., None, :, :], (b.ends_m - b.starts_m)[..., None, :, :]
+    distance, between = _nearest(p, d1, q, d2)
+    return a.radii_m[:, None] + b.radii_m[None] - distance, distance, between
+
+
+@dataclass(frozen=True, eq=False)
+class Contacts:
+    """k pairs of bars that overlap: i, j (k,) of the two, overlap_m (k,), distance_m (k,) of their
+    axes, between (k, 3) from the second to the first.
+    """
+
+    i: Ints
+    j: Ints
+    overlap_m: Floats
+    distance_m: Floats
+    between: Floats
+
+
+def contacts(a: Capsules, b: Capsules, least_m: float, counts: Bools) -> Contacts:
+    """The pairs of `overlaps` of bars (n, 3) and (m, 3) that overlap by more than least_m >= 0.
+
+    counts (n, m): pairs that do. Most pairs are so far apart that balls about the bars are.
+    """
+    d1, d2 = a.ends_m - a.starts_m, b.ends_m - b.starts_m
+    reach = (0.5 * np.sqrt(dots(d1, d1)) + a.radii_m)[:, None]
+    reach = reach + (0.5 * np.sqrt(dots(d2, d2)) + b.radii_m)
+    apart = (a.starts_m + 0.5 * d1)[:, None] - (b.starts_m + 0.5 * d2)
+    i, j = np.nonzero((dots(apart, apart) < reach * reach) & counts)
+    distance, between = _nearest(a.starts_m[i], d1[i], b.starts_m[j], d2[j])
+    overlap = a.radii_m[i] + b.radii_m[j] - distance
+    deep = overlap > least_m
+    return Contacts(i[deep], j[deep], overlap[deep], distance[deep], between[deep])
+
+
+def _nearest(p: Floats, d1: Floats, q: Floats, d2: Floats) -> tuple[Floats, Floats]:
+    """Least distances (...) of segments p to p + d1 and q to q + d2 (..., 3), and the ways there
+    (..., 3) from second to first.
+    """
     r = p - q
-    A, E = (d1 * d1).sum(-1), (d2 * d2).sum(-1)
-    F, C, B = (d2 * r).sum(-1), (d1 * r).sum(-1), (d1 * d2).sum(-1)
+    A, E, F, C, B = dots(d1, d1), dots(d2, d2), dots(d2, r), dots(d1, r), dots(d1, d2)
     denominator = np.maximum(A * E - B * B, 1e-12)
     s = np.clip((B * F - C * E) / denominator, 0.0, 1.0)
     t = np.clip((B * s + F) / E, 0.0, 1.0)
     s = np.clip((B * t - C) / A, 0.0, 1.0)
     between = r + s[..., None] * d1 - t[..., None] * d2
-    distance = np.sqrt((between * between).sum(-1))
-    return a.radii_m[:, None] + b.radii_m[None] - distance, distance, between
+    return np.sqrt(dots(between, between)), between
 
 
 def capsule_gap(a: Capsules, b: Capsules) -> tuple[float, Floats]:

@@ -25,7 +25,7 @@ from sim.contact.arm_shape import (
     Shape,
     arm_shape,
 )
-from sim.contact.capsules import overlaps
+from sim.contact.capsules import contacts
 from sim.contact.contact import solid_depths
 from sim.contact.solids import Obstacles
 from sim.person.kinematics import MAX_SWIVEL_RAD, OUTWARD, Arm
@@ -47,7 +47,8 @@ _STEADY = 0.8  # share of a hand's way that does not turn over with its fingers
 _EASE_M = 0.002  # depth at which a push has half its weight
 _ELBOW_EASE = 4.0  # an elbow swings so much more readily than a palm leaves its target
 _LEAST_RADIUS_M = 0.05  # of the elbow's circle: a straight arm's elbow would move without end
-_BOTH_UPPER = (PART_OF_BAR[:, None] == UPPER_ARM) & (PART_OF_BAR[None] == UPPER_ARM)
+_EYE = np.eye(3)
+_NOT_BOTH_UPPER = (PART_OF_BAR[:, None] != UPPER_ARM) | (PART_OF_BAR[None] != UPPER_ARM)
 
 
 def _on_wrist(part: Floats, share: Floats) -> Floats:
@@ -82,10 +83,13 @@ def _elbow_moves(arm: Arm) -> Floats:
     # Law of cosines, differentiated: how far along the line to the wrist the elbow goes with it.
     grows = (d * d - float(upper @ upper) + float(fore @ fore)) / (2.0 * d * d)
     folds = grows * (axis - (along / radius) * aside / radius)
+    column = axis[:, None]
     # A rigid turn by (axis x move) / d takes the elbow along by (that) x upper.
-    turns = (along * (np.eye(3) - np.outer(axis, axis)) - np.outer(axis, aside)) / d
-    swings = arm.swing / max(norm(arm.swing), 1e-9)
-    return np.column_stack([turns + np.outer(folds, axis), swings])
+    turns = (along * (_EYE - column * axis) - column * aside) / d
+    moves = np.empty((3, 4))
+    moves[:, :3] = turns + folds[:, None] * axis
+    moves[:, 3] = arm.swing / max(norm(arm.swing), 1e-9)
+    return moves
 
 
 def _far_apart(shapes: tuple[Shape, Shape], arms: tuple[Arm, Arm]) -> bool:
@@ -137,17 +141,17 @@ def _pair_rows(shapes: tuple[Shape, Shape], arms: tuple[Arm, Arm]) -> tuple[Floa
     """Depths (m,) of the overlaps of two arms, and the rows (m, 8) that move them apart."""
     if _far_apart(shapes, arms):
         return np.zeros(0), np.zeros((0, 8))
-    overlap, distance, between = overlaps(shapes[0].bars(arms[0]), shapes[1].bars(arms[1]))
-    overlap[_BOTH_UPPER] = 0.0
-    i, j = np.nonzero(overlap > _LEFT_ALONE_M)
+    met = contacts(shapes[0].bars(arms[0]), shapes[1].bars(arms[1]), _LEFT_ALONE_M, _NOT_BOTH_UPPER)
+    i, j = met.i, met.j
     if not len(i):
         return np.zeros(0), np.zeros((0, 8))
-    way = between[i, j] / np.maximum(distance[i, j], 1e-6)[:, None]
+    way = met.between / np.maximum(met.distance_m, 1e-6)[:, None]
+    depths = met.overlap_m - _LEFT_ALONE_M
     for (first, second), steady in _steady_ways(arms).items():
         chosen = (PART_OF_BAR[i] == first) & (PART_OF_BAR[j] == second)
         if chosen.any():
             # All bars of a hand go the same way, the mean of theirs, each as heavy as it is deep.
-            depth = overlap[i[chosen], j[chosen]] - _LEFT_ALONE_M
+            depth = depths[chosen]
             mean = depth @ way[chosen] / depth.sum()
             common = (1.0 - _STEADY) * mean + _STEADY * steady
             way[chosen] = common / max(norm(common), 1e-6)
@@ -158,7 +162,7 @@ def _pair_rows(shapes: tuple[Shape, Shape], arms: tuple[Arm, Arm]) -> tuple[Floa
         ],
         axis=1,
     )
-    return overlap[i, j] - _LEFT_ALONE_M, rows
+    return depths, rows
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,6 +15,7 @@ from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
 from sim.person.kinematics import OUTWARD
 from sim.person.torso import torso_surface
+from sim.vectors import dots
 
 _UP = np.array([0.0, 0.0, 1.0])
 
@@ -33,7 +34,7 @@ class Slab:
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         local = points_m @ turn if self.yaw_rad else points_m
         beyond = local - np.clip(local, self.low_m, self.high_m)
-        gap = np.sqrt((beyond * beyond).sum(axis=1))
+        gap = np.sqrt(dots(beyond, beyond))
         # Inside, the nearest face: below all lower corners, above all upper corners, is negative.
         faces = np.concatenate([self.low_m - local, local - self.high_m], axis=1)
         nearest = faces.argmax(axis=1)
@@ -101,9 +102,9 @@ class Trunk:
         size = np.abs(scaled)
         # A superellipse: |x|^n + |y|^n + |z|^n = level^n.
         inner = size ** (_TRUNK_EXPONENT - 1.0)
-        level = np.maximum((inner * size).sum(axis=1), 1e-9) ** (1.0 / _TRUNK_EXPONENT)
+        level = np.maximum(dots(inner, size), 1e-9) ** (1.0 / _TRUNK_EXPONENT)
         slope = np.sign(scaled) * inner / axes
-        steep = np.maximum(np.sqrt((slope * slope).sum(axis=1)), 1e-9)
+        steep = np.maximum(np.sqrt(dots(slope, slope)), 1e-9)
         out = slope / steep[:, None]
         return (1.0 - level) * level ** (_TRUNK_EXPONENT - 1.0) / steep, out
 
@@ -151,16 +152,16 @@ class Solids:
         """Depth (k, n) [m] of round points (n, 3), (n,), <= 0 is clear, and ways out (k, n, 3)."""
         axes = self.head_axes_m + radii_m[:, None]
         scaled = (points_m - self.head_m) @ self.head / axes
-        level = np.maximum(np.sqrt((scaled * scaled).sum(axis=1)), 1e-6)
+        level = np.maximum(np.sqrt(dots(scaled, scaled)), 1e-6)
         slope = scaled / axes / level[:, None]
-        steep = np.maximum(np.sqrt((slope * slope).sum(axis=1)), 1e-9)
+        steep = np.maximum(np.sqrt(dots(slope, slope)), 1e-9)
         in_head, off_head = (1.0 - level) / steep, (slope / steep[:, None]) @ self.head.T
         in_trunk, off_trunk = self.trunk.push((points_m - self.torso_m) @ self.torso, radii_m)
         along = self.ends_m - self.starts_m
         offset = points_m - self.starts_m[:, None]
-        share = (offset * along[:, None]).sum(axis=-1) / (along * along).sum(axis=-1)[:, None]
+        share = dots(offset, along[:, None]) / dots(along, along)[:, None]
         away = offset - np.clip(share, 0.0, 1.0)[..., None] * along[:, None]
-        distance = np.sqrt((away * away).sum(axis=-1))
+        distance = np.sqrt(dots(away, away))
         return (
             np.concatenate([[in_head, in_trunk], self.radii_m[:, None] + radii_m - distance]),
             np.concatenate(

@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from pjpdaf.arrays import Floats
+from sim.motion.splines import Spline, cubic, monotone
 from sim.motion.strokes import HandState, between
 
 POWER = -1.0 / 3.0
@@ -31,8 +31,8 @@ class Curve:
     the phase moves along the curve at a speed that goes with curvature^(-1/3).
     """
 
-    places: CubicSpline
-    parameters: CubicSpline
+    places: Spline
+    parameters: Spline
     closed: bool
 
     def parameter(self, phase: float) -> float:
@@ -61,19 +61,18 @@ def curve_through(points_m: Floats, closed: bool = False) -> Curve:
         raise ValueError("a curve needs two or more points, each apart from the next")
     # Square roots of chords: the spline does not swing out of its way where chords differ.
     knots = np.concatenate([[0.0], np.cumsum(np.sqrt(chords))])
-    places = CubicSpline(knots / knots[-1], points_m, bc_type="periodic" if closed else "natural")
+    places = cubic(knots / knots[-1], points_m, "periodic" if closed else "natural")
     u = np.linspace(0.0, 1.0, _TABLE + 1)
     first, second = places(u, 1), places(u, 2)
     speed = np.linalg.norm(first, axis=1)
     bent = np.linalg.norm(np.cross(first, second), axis=1) / np.maximum(speed, 1e-9) ** 3
     length = float(np.mean(0.5 * (speed[1:] + speed[:-1])))
     pace = (bent + STRAIGHT * 2.0 * math.pi / length) ** POWER
-    time_per_u = CubicSpline(u, speed / pace, bc_type="periodic" if closed else "not-a-knot")
+    time_per_u = cubic(u, speed / pace, "periodic" if closed else "not-a-knot")
     phase = time_per_u.antiderivative()(u)
     total = float(phase[-1])
-    rates = [total / float(time_per_u(end)) for end in (0.0, 1.0)]
-    clamped = ((1, rates[0]), (1, rates[1]))
-    return Curve(places, CubicSpline(phase / total, u, bc_type=clamped), closed)
+    rates = total / float(time_per_u(0.0)), total / float(time_per_u(1.0))
+    return Curve(places, cubic(phase / total, u, rates), closed)
 
 
 def ellipse(first_m: Floats, second_m: Floats, centre_m: Floats) -> Curve:
@@ -163,7 +162,7 @@ class Sweep:
     start_s: float
     duration_s: float
     curve: Curve
-    others: PchipInterpolator
+    others: Spline
     to: HandState
 
     @property
@@ -200,5 +199,5 @@ def sweep(start_s: float, states: Sequence[HandState], peak_mps: float) -> Sweep
         others = [state.air, state.with_head, state.nod_rad, state.swivel_rad]
         rows.append(np.concatenate([last, state.curls, others]))
     # Monotone between states: a curl between two states never leaves them.
-    others = PchipInterpolator(curve.places.x, np.array(rows))
-    return Sweep(start_s, fastest / peak_mps, curve, others, states[-1])
+    by_parameter = monotone(curve.places.x, np.array(rows))
+    return Sweep(start_s, fastest / peak_mps, curve, by_parameter, states[-1])

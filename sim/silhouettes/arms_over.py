@@ -16,6 +16,7 @@ from sim.person.kinematics import (
     OUTWARD,
     reach_limits,
 )
+from sim.vectors import dots
 
 _BEND_LIMIT_RAD = MAX_WRIST_BEND_RAD + 1e-4
 
@@ -48,7 +49,7 @@ def arms_over(
     )
     for _ in range(5):
         fore = (wrist - elbow) / anatomy.forearm_m
-        bend = np.arccos(np.clip((fore * hand[:, :, 0]).sum(axis=1), -1.0, 1.0))
+        bend = np.arccos(np.clip(dots(fore, hand[:, :, 0]), -1.0, 1.0))
         far = np.flatnonzero(bend > _BEND_LIMIT_RAD)
         if not len(far):
             break
@@ -81,24 +82,24 @@ def _elbow(
     """Wrists within reach, and elbows, (F, 3) each."""
     a, b = anatomy.upper_arm_m, anatomy.forearm_m
     offset = palm_m - anatomy.wrist_to_palm_m * hand[:, :, 0] - shoulder_m
-    distance = np.sqrt((offset * offset).sum(axis=1))
+    distance = np.sqrt(dots(offset, offset))
     none = distance < 1e-9
     offset[none], distance[none] = (1.0, 0.0, 0.0), 1.0
     wrist = shoulder_m + offset * (np.clip(distance, *reach_limits(a, b)) / distance)[:, None]
     offset = wrist - shoulder_m
-    d = np.sqrt((offset * offset).sum(axis=1))
+    d = np.sqrt(dots(offset, offset))
     axis = offset / d[:, None]
     along = (d * d + a * a - b * b) / (2.0 * d)
     radius = np.sqrt(np.maximum(a * a - along * along, 0.0))
     down = _hanging(side, axis)
-    down = down - (down * axis).sum(axis=1)[:, None] * axis
-    flat = np.sqrt((down * down).sum(axis=1)) < 1e-3
+    down = down - dots(down, axis)[:, None] * axis
+    flat = np.sqrt(dots(down, down)) < 1e-3
     down[flat] = np.cross(axis[flat], [0.0, 1.0, 0.0])
-    down /= np.sqrt((down * down).sum(axis=1))[:, None]
+    down /= np.sqrt(dots(down, down))[:, None]
     outward = OUTWARD[side] * _cross(axis, down)
     centre = shoulder_m + along[:, None] * axis
     up = np.array([0.0, 0.0, 1.0])
-    behind = (shoulder_m * forward).sum(axis=1) - a * FARTHEST_BACK
+    behind = dots(shoulder_m, forward) - a * FARTHEST_BACK
     swivel = np.maximum(swivel_rad, _least_swivel(centre, radius, down, outward, up, elbow_above_m))
     swivel = np.maximum(swivel, _least_swivel(centre, radius, down, outward, forward, behind))
     turned = np.cos(swivel)[:, None] * down + np.sin(swivel)[:, None] * outward
@@ -109,9 +110,9 @@ def _least_swivel(
     centre: Floats, radius: Floats, down: Floats, outward: Floats, way: Floats, level: Floats
 ) -> Floats:
     """`ElbowCircle.least_swivel_towards` (F,)."""
-    a = radius * (down * way).sum(axis=1)
-    b = radius * (outward * way).sum(axis=1)
-    need = level - (centre * way).sum(axis=1)
+    a = radius * dots(down, way)
+    b = radius * dots(outward, way)
+    need = level - dots(centre, way)
     size = np.hypot(a, b)
     phase = np.arctan2(b, a) % (2.0 * math.pi)
     share = np.clip(need / np.maximum(size, 1e-300), -1.0, 1.0)

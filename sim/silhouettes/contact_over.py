@@ -25,6 +25,7 @@ from sim.contact.contact import exempt
 from sim.contact.solids import Table, Trunk, person_solids, trunk
 from sim.person.kinematics import OUTWARD
 from sim.silhouettes.arms_over import ArmsOver
+from sim.vectors import dots
 
 _LEAST_M = 0.0005  # overlaps up to this push nothing (`sim.contact.separation`)
 _BOTH_UPPER = (PART_OF_BAR[:, None] == UPPER_ARM) & (PART_OF_BAR[None] == UPPER_ARM)
@@ -136,28 +137,38 @@ def _in_body(
 ) -> Bools:
     solids = person_solids(anatomy, np.zeros(3), np.eye(3), np.zeros(3), np.eye(3))
     free = exempt(solids.names)
-    in_head = (points - head[0][:, None]) @ head[1] / (solids.head_axes_m + radii[:, None])
-    touch = ((in_head * in_head).sum(axis=-1) < 1.0).any(axis=1)
+    touch = np.zeros(len(points), dtype=bool)
+    away = points - head[0][:, None]
+    if _within(away, np.zeros(3), solids.head_axes_m.max() + radii.max()).any():
+        in_head = away @ head[1] / (solids.head_axes_m + radii[:, None])
+        touch |= (dots(in_head, in_head) < 1.0).any(axis=1)
     local = (points - torso[0][:, None]) @ torso[1]
-    touch |= _in_trunk(trunk(anatomy), local[:, ~free[1]], radii[~free[1]])
+    touch |= _in_trunk(trunk(anatomy), local, radii, ~free[1])
     # Shoulders and neck go with the torso; the thighs stand still.
     for bar, (start, end, radius) in enumerate(
         zip(solids.starts_m, solids.ends_m, solids.radii_m, strict=True), start=2
     ):
-        counts = ~free[bar]
-        at = (points if "thigh" in solids.names[bar] else local)[:, counts]
+        at = points if "thigh" in solids.names[bar] else local
         along = end - start
-        offset = at - start
+        about = 0.5 * np.abs(along) + radius + radii.max()
+        row, point = np.nonzero(_within(at, 0.5 * (start + end), about) & ~free[bar])
+        offset = at[row, point] - start
         share = np.clip(offset @ along / (along @ along), 0.0, 1.0)
-        away = offset - share[..., None] * along
-        reach = radius + radii[counts] - _LEAST_M
-        touch |= ((away * away).sum(axis=-1) < reach * reach).any(axis=1)
-    return np.asarray(touch)
+        beside = offset - share[:, None] * along
+        reach = radius + radii[point] - _LEAST_M
+        touch[row[dots(beside, beside) < reach * reach]] = True
+    return touch
 
 
-def _in_trunk(body: Trunk, points: Floats, radii: Floats) -> Bools:
-    """Whether any of the round points (F, n, 3) is in the trunk, its frame."""
-    row, point = np.nonzero((np.abs(points) < _TRUNK_WITHIN_M).all(axis=2))
+def _within(points: Floats, middle: Floats, half: Floats) -> Bools:
+    """Which points (..., 3) are in a box: its middle (3,), half its size (3,) or of all three."""
+    x, y, z = (np.abs(points[..., k] - middle[k]) < np.broadcast_to(half, 3)[k] for k in range(3))
+    return np.asarray(x & y & z)
+
+
+def _in_trunk(body: Trunk, points: Floats, radii: Floats, counts: Bools) -> Bools:
+    """Whether any of the round points (F, n, 3) that count (n,) is in the trunk, its frame."""
+    row, point = np.nonzero(_within(points, np.zeros(3), _TRUNK_WITHIN_M) & counts)
     touch = np.zeros(len(points), dtype=bool)
     depth, _ = body.push(points[row, point], radii[point])
     touch[row[depth > _LEAST_M]] = True

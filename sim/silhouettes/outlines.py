@@ -12,6 +12,7 @@ from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
 from sim.silhouettes.patches import Box, T
 from sim.silhouettes.shapes import BARE, TARGET_PAINT, Bars, Hull
+from sim.vectors import dots
 
 SHIFT = 4  # binary digits of a pixel's fraction, as `cv2.fillConvexPoly` takes them
 # It fills every pixel that an outline touches: half a pixel more on all sides.
@@ -86,15 +87,16 @@ def outlines_of(
     wanted = _inside(all_boxes, size) & (depths_m > _NEAREST_M)
     if hidden is not None:
         wanted[:, : hidden.shape[1]] &= ~hidden
+    spans = _spans(paints, depths_m, all_boxes)
     if not everything:
-        wanted &= _matters(paints, depths_m, all_boxes)
+        wanted &= _matters(paints, spans)
     order = tuple(
         by_depth[chosen[by_depth]].tolist()
         for by_depth, chosen in zip(
             np.argsort(-depths_m, axis=1, kind="stable"), wanted, strict=True
         )
     )
-    target_boxes, covered = _targets(paints, depths_m, all_boxes, size)
+    target_boxes, covered = _targets(spans, len(depths_m), size)
     return Outlines(
         bar_pixels,
         pixels,
@@ -206,8 +208,8 @@ def _order_by_plane(
     n = len(bars.paints)
     middle = hull.points_m.mean(axis=1)
     normals = hull.normals[:, None]
-    bar_side = ((0.5 * (bars.starts_m + bars.ends_m) - middle[:, None]) * normals).sum(axis=-1)
-    camera_side = ((camera.centre_w - middle) * hull.normals).sum(axis=-1)[:, None]
+    bar_side = dots(0.5 * (bars.starts_m + bars.ends_m) - middle[:, None], normals)
+    camera_side = dots(camera.centre_w - middle, hull.normals)[:, None]
     own, others = boxes[:, index, None], boxes[:, :n]
     meets = ((others[..., :2] < own[..., 2:]) & (others[..., 2:] > own[..., :2])).all(axis=-1)
     before = bar_side * camera_side > 0.0
@@ -234,38 +236,58 @@ def _inside(boxes: Floats, size: tuple[int, int]) -> NDArray[np.bool_]:
     )
 
 
-def _matters(paints: NDArray[np.uint8], depths_m: Floats, boxes: Floats) -> NDArray[np.bool_]:
-    """Skin, and what overlaps the box of a target and is nearer than its farthest part (F, n)."""
-    target = paints >= TARGET_PAINT
-    out = np.broadcast_to(target | (paints == BARE), depths_m.shape).copy()
-    for shade in np.unique(paints[target]):
-        own = paints == shade
-        low, high = boxes[:, own, :2].min(axis=1), boxes[:, own, 2:].max(axis=1)
-        far = depths_m[:, own].max(axis=1)
-        overlap = (boxes[..., 0] < high[:, :1]) & (boxes[..., 2] > low[:, :1])
-        overlap &= (boxes[..., 1] < high[:, 1:]) & (boxes[..., 3] > low[:, 1:])
-        out |= overlap & (depths_m < far[:, None])
-    return out
+@dataclass(frozen=True, eq=False)
+class _Span:
+    """A target's shapes (n + h,), the low and high corners (F, 2) of their box, and the shapes
+    (F, n + h) whose boxes overlap it and that are nearer than its farthest part.
+    """
+
+    own: NDArray[np.bool_]
+    low: Floats
+    high: Floats
+    over: NDArray[np.bool_]
 
 
-def _targets(
-    paints: NDArray[np.uint8], depths_m: Floats, boxes: Floats, size: tuple[int, int]
-) -> tuple[list[list[Box]], list[list[bool]]]:
-    """Boxes of the targets, and whether a nearer shape's box overlaps them, per frame."""
-    height, width = size
-    corners, covers = [], []
+def _spans(paints: NDArray[np.uint8], depths_m: Floats, boxes: Floats) -> list[_Span | None]:
+    """The spans of the targets, None of a target without shapes."""
+    spans: list[_Span | None] = []
     for target in range(T):
         own = paints == TARGET_PAINT + target
         if not own.any():
-            corners.append(np.zeros((len(boxes), 4), int))
-            covers.append(np.zeros(len(boxes), bool))
+            spans.append(None)
             continue
-        low, high = boxes[:, own, :2].min(axis=1), boxes[:, own, 2:].max(axis=1)
+        shapes = np.flatnonzero(own)
+        low, high = boxes[:, shapes, :2].min(axis=1), boxes[:, shapes, 2:].max(axis=1)
         over = (boxes[..., 0] < high[:, :1]) & (boxes[..., 2] > low[:, :1])
         over &= (boxes[..., 1] < high[:, 1:]) & (boxes[..., 3] > low[:, 1:])
-        over &= (depths_m < depths_m[:, own].max(axis=1)[:, None]) & ~own
-        covers.append(over.any(axis=1))
-        around = np.concatenate([np.floor(low) - 1, np.ceil(high) + 2], axis=1)
+        over &= depths_m < depths_m[:, shapes].max(axis=1)[:, None]
+        spans.append(_Span(own, low, high, over))
+    return spans
+
+
+def _matters(paints: NDArray[np.uint8], spans: list[_Span | None]) -> NDArray[np.bool_]:
+    """Skin, and what may lie over a target (F, n + h)."""
+    out = (paints >= TARGET_PAINT) | (paints == BARE)
+    for span in spans:
+        if span is not None:
+            out = out | span.over
+    return np.asarray(out)
+
+
+def _targets(
+    spans: list[_Span | None], frames: int, size: tuple[int, int]
+) -> tuple[list[list[Box]], list[list[bool]]]:
+    """Boxes of the targets, and whether a nearer shape's box overlaps them, per frame."""
+    height, width = size
+    corners: list[NDArray[np.intp]] = []
+    covers: list[NDArray[np.bool_]] = []
+    for span in spans:
+        if span is None:
+            corners.append(np.zeros((frames, 4), int))
+            covers.append(np.zeros(frames, bool))
+            continue
+        covers.append(np.asarray((span.over & ~span.own).any(axis=1)))
+        around = np.concatenate([np.floor(span.low) - 1, np.ceil(span.high) + 2], axis=1)
         corners.append(np.clip(around, 0, [width, height, width, height]).astype(int))
     return (
         [[tuple(box) for box in frame] for frame in np.stack(corners, axis=1).tolist()],

@@ -19,6 +19,7 @@ from sim.person.kinematics import MAX_STRETCH, OUTWARD
 from sim.silhouettes.arms_over import ArmsOver
 from sim.silhouettes.contact_over import ArmShapes
 from sim.silhouettes.planned_arms import planned_arms
+from sim.vectors import dots
 
 _CLOSE = 1e-6  # nearer to a limit than this is left to the exact judgement: rounding differs
 
@@ -46,11 +47,11 @@ def _within_limits(side: int, arm: ArmsOver, torso: Floats) -> Bools:
     """Whether all joints are inside their range (F,)."""
     most = {joint: angle - _CLOSE for joint, angle in GREATEST_ANGLES.items()}
     fore, upper = _unit(arm.wrist_m - arm.elbow_m), _unit(arm.elbow_m - arm.shoulder_m)
-    backward = -(upper * torso[:, :, 0]).sum(axis=1)
-    across = -OUTWARD[side] * (upper * torso[:, :, 1]).sum(axis=1)
+    backward = -dots(upper, torso[:, :, 0])
+    across = -OUTWARD[side] * dots(upper, torso[:, :, 1])
     return np.asarray(
-        ((fore * arm.hand[:, :, 0]).sum(axis=1) >= math.cos(most["wrist bends"]))
-        & ((upper * fore).sum(axis=1) >= math.cos(most["elbow bends"]))
+        (dots(fore, arm.hand[:, :, 0]) >= math.cos(most["wrist bends"]))
+        & (dots(upper, fore) >= math.cos(most["elbow bends"]))
         & (backward <= math.sin(most["upper arm goes backward"]))
         & (across <= math.sin(most["upper arm goes across the body"]))
     )

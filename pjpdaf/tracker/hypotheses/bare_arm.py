@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from pjpdaf.arrays import Floats, Ints
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 OUTSIDE = 0.7  # share of a hand that is seen outside the face that it reaches to
 NEIGHBOURS = (1, 0), (0, 1), (1, 1), (1, -1)  # columns, rows; each way once
@@ -20,6 +23,8 @@ def courses(pixels: Floats, step_px: float, start: Floats | None = None) -> tupl
     nearest to it. step_px: of the pixels' lattice. Pixels of other pieces than the first end's are
     infinitely far.
     """
+    from scipy.sparse.csgraph import dijkstra  # late: most episodes have long sleeves
+
     graph = _graph(pixels, step_px)
 
     def ways(i: int) -> Floats:
@@ -72,6 +77,8 @@ def _farthest(ways: Floats) -> int:
 
 def _graph(pixels: Floats, step_px: float) -> csr_array:
     """Distances [px] between neighbours on the lattice."""
+    from scipy.sparse import csr_array
+
     cells: Ints = np.rint((pixels - pixels.min(axis=0)) / step_px).astype(np.intp)
     columns, rows = (int(size) + 3 for size in cells.max(axis=0))
     number = np.full((rows, columns), -1, np.intp)

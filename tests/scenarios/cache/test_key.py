@@ -1,6 +1,7 @@
 """Everything that decides a picture is in the key: each is changed here, and the key with it."""
 
 import importlib.metadata
+import itertools
 from dataclasses import replace
 
 import pytest
@@ -87,6 +88,7 @@ def test_another_library_counts(monkeypatch, library):
 DERIVED = {
     "detections": lambda footage, renderer="egl": keys.detections_key(footage, renderer, "recipe"),
     "films": lambda footage, renderer="egl": keys.film_key(footage, renderer),
+    "scenes": lambda footage, renderer="egl": keys.scene_key(footage, renderer, True, True),
 }
 
 
@@ -99,12 +101,24 @@ def test_what_is_derived_has_a_key_of_footage_renderer_and_code(kind, monkeypatc
     assert made(footage, "another") != before
     monkeypatch.setattr(keys, "detector_digest", lambda: "another")
     monkeypatch.setattr(keys, "film_digest", lambda: "another")
+    monkeypatch.setattr(keys, "scene_digest", lambda: "another")
     assert made(footage) != before
 
 
 def test_another_recipe_counts():
     one, two = (keys.detections_key(key_of(JOB), "egl", recipe) for recipe in "ab")
     assert one != two
+
+
+def test_a_still_scene_is_that_of_the_parts_that_looked_and_of_no_other_code(monkeypatch):
+    def made():
+        choices = itertools.product((True, False), repeat=2)
+        return [keys.scene_key(key_of(JOB), "egl", *parts) for parts in choices]
+
+    before = made()
+    assert len({str(key) for key in before}) == 4
+    monkeypatch.setattr(keys, "detector_digest", lambda: "another")
+    assert made() == before
 
 
 def test_another_machine_counts(monkeypatch, tmp_path):

@@ -12,6 +12,7 @@ import sim
 from scenarios.cache.sources import (
     DETECTOR,
     FILM,
+    SCENE,
     files_of,
     simulator_digest,
     simulator_files,
@@ -52,12 +53,13 @@ NO_FILM = {
 }
 DERIVED = {
     "detections": (DETECTOR, "pjpdaf.detector.blob_detector, pjpdaf.detector.external", set()),
+    "scenes": (SCENE, "pjpdaf.detector.still_scene", set()),
     "films": (FILM, "reports.pictures.stills", NO_FILM),
 }
 
 
 @pytest.mark.parametrize("kind", DERIVED)
-def test_all_that_detects_or_draws_a_film_is_covered(kind):
+def test_all_that_is_kept_beside_footage_is_covered(kind):
     names, modules, others = DERIVED[kind]
     code = IMPORTED.replace("scenarios.spec.draw, sim.sequence, sim.recording.recorder", modules)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)

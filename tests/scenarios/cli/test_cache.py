@@ -41,7 +41,10 @@ def test_a_run_plays_what_is_kept_and_says_so(tmp_path, folder):
 
     lines = in_this_process("cache", "info").stdout.splitlines()
     assert lines[0] == f"folder: {folder}"
-    assert "entries: footage of 1 episode, detections of 1 episode, films of 0 episodes" in lines
+    kinds = (
+        "footage of 1 episode, detections of 1 episode, films of 0 episodes, scenes of 1 episode"
+    )
+    assert f"entries: {kinds}" in lines
     for kind in ("footage", "detections"):
         assert any(line.startswith(f"{kind}: 2 stereo frames, ") for line in lines)
     assert "damaged: 0 files" in lines
@@ -49,7 +52,8 @@ def test_a_run_plays_what_is_kept_and_says_so(tmp_path, folder):
     done = in_this_process("cache", "clear")
     assert done.stdout.startswith("removed: footage of 1 episode, ")
     assert [path for path in folder.rglob("*") if path.is_file()] == []
-    nothing = "entries: footage of 0 episodes, detections of 0 episodes, films of 0 episodes"
+    kinds = ("footage", "detections", "films", "scenes")
+    nothing = f"entries: {', '.join(f'{kind} of 0 episodes' for kind in kinds)}"
     assert nothing in in_this_process("cache", "info").stdout.splitlines()
 
 

@@ -80,7 +80,7 @@ READING = ((PictureDecoder, "decode"), (Simulation, "__init__"))
 
 
 def test_the_same_tracker_reads_no_picture_and_gives_the_same(folder, filled, monkeypatch):
-    assert [len(files(kind)) for kind in Kind] == [1, 2, 1]
+    assert [len(files(kind)) for kind in Kind] == [1, 2, 1, 1]
     refuse(monkeypatch, *DETECTING, *READING)
     for preset, first in filled[1].items():
         again = play_complete(of(preset))
@@ -125,7 +125,7 @@ def test_what_a_prediction_changes_is_detected_again_and_kept(folder):
             )
             for x in (-3.0, 0.9)
         )
-        kept = KeptDetections(detector, footage, {})
+        kept = KeptDetections(detector, lambda: learnt, {})
         for frame in frames:
             for predicted in (far, near, far, near):
                 given, expected = kept(frame, predicted), learnt(frame, predicted)

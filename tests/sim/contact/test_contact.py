@@ -22,7 +22,7 @@ from sim.contact.arm_shape import (
     hand_capsules,
     height_above_table,
 )
-from sim.contact.capsules import Capsules, capsule_gap, overlaps
+from sim.contact.capsules import Capsules, capsule_gap, contacts, overlaps
 from sim.contact.contact import penetration
 from sim.contact.separation import separate
 from sim.contact.solids import Obstacles, Slab, StandingObject, Table, person_solids
@@ -47,6 +47,28 @@ ALL = Obstacles(TABLE, person_solids(PERSON, TORSO, np.eye(3), HEAD, np.eye(3)))
 REST = (np.array([0.35, -0.22, 0.80]), np.array([0.35, 0.22, 0.80]))
 LOW_TABLE = Table(top_m=0.5, near_x_m=0.16, far_x_m=0.9, half_width_m=0.75, thickness_m=0.028)
 DEEPEST_M = 0.002  # aim of the projection; 5 mm are allowed
+
+
+def test_pairs_in_contact_are_those_of_all_pairs():
+    rng = np.random.default_rng(0)
+    some = 0
+    for _ in range(50):
+        a, b = (
+            Capsules(at, at + 0.1 * rng.standard_normal((n, 3)), 0.05 * rng.random(n))
+            for n in (25, 20)
+            for at in [0.2 * rng.standard_normal((n, 3))]
+        )
+        counts, least_m = rng.random((25, 20)) < 0.8, 0.002
+        overlap, distance, between = overlaps(a, b)
+        met = contacts(a, b, least_m, counts)
+        i, j = np.nonzero((overlap > least_m) & counts)
+        assert np.array_equal(met.i, i)
+        assert np.array_equal(met.j, j)
+        assert np.array_equal(met.overlap_m, overlap[i, j])  # to the bit
+        assert np.array_equal(met.distance_m, distance[i, j])
+        assert np.array_equal(met.between, between[i, j])
+        some += len(i)
+    assert some > 100
 
 
 def solver(yaw=0.3, pitch=0.0, roll=0.0, swivel=0.5):
