@@ -60,7 +60,7 @@ class Sightings:
     own (n,) cost of each pair by itself; joint (n + 2, n + 2) of two together; odds (n,) that it is
     the right hand [log]; face_m (f, 3) places before the face and,
     the last, behind the head; face_cost (f,). aside_m (2, n, 3): from pairs to the palm of right
-    and left. motion (3, 3): shape of the hands' displacements, None: the same along each axis.
+    and left.
     """
 
     pairs: Pairs
@@ -70,7 +70,6 @@ class Sightings:
     face_m: Floats
     face_cost: Floats
     aside_m: Floats
-    motion: Floats | None = None
 
 
 def nearest_choices(seen: Sightings, hands_m: Floats, held_m: Floats) -> tuple[int, int]:
@@ -141,9 +140,7 @@ def grow(
         k, right, left = (int(i) for i in np.unravel_index(index, total.shape))
         for side, choice in enumerate((right, left)):
             if (k, side, choice) not in moved:
-                moved[k, side, choice] = _moved(
-                    hypotheses[k], side, choice, points, C, dt_s, p, seen.motion
-                )
+                moved[k, side, choice] = _moved(hypotheses[k], side, choice, points, C, dt_s, p)
         hands = moved[k, 0, right], moved[k, 1, left]
         means = np.array([hand[0] for hand in hands])
         if any(np.abs(g.means - means).max() < SAME_M for g in grown):
@@ -224,7 +221,6 @@ def _moved(
     C: Floats,
     dt_s: float,
     p: HypothesisParameters,
-    shape: Floats | None,
 ) -> tuple[Floats, Floats, float, Floats]:
     """A hand after its choice: mean (3,), covariance (3, 3), time unseen, velocity (3,)."""
     m = p.motion
@@ -241,7 +237,6 @@ def _moved(
         dt_s,
         m.weights,
         m.deviations_m,
-        shape,
     )
     behind = choice == len(C) - 1  # the head: believed to be there, not seen
     if behind:

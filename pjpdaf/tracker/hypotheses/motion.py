@@ -45,19 +45,14 @@ def correct(
     dt_s: float,
     weights: tuple[float, ...],
     deviations_m: tuple[float, ...],
-    shape: Floats | None = None,
 ) -> tuple[Floats, Floats]:
     """Predict and update a mean (3,) and covariance P (3, 3) with a sighting (3,), C (3, 3).
 
-    Each mode by a Kalman update, then one Gaussian with the moments of their mixture. shape (3, 3):
-    covariance of a displacement for a variance of 1, None: the same along each axis.
+    Each mode by a Kalman update, then one Gaussian with the moments of their mixture.
     """
     variances = steps(dt_s, deviations_m)
-    prior = P + variances[:, None, None] * (EYE if shape is None else shape)  # (modes, 3, 3)
-    if shape is None:
-        log = log_likelihood(point - mean, P + C, weights, variances)
-    else:
-        log = _log_density(point - mean, prior + C, weights)
+    prior = P + variances[:, None, None] * EYE  # (modes, 3, 3)
+    log = log_likelihood(point - mean, P + C, weights, variances)
     weight = np.exp(log - log.max())
     share = weight / weight.sum()
     K = prior @ np.linalg.inv(prior + C)
@@ -67,14 +62,3 @@ def correct(
     off = means - centre
     total = np.einsum("k,kij->ij", share, covariances) + np.einsum("k,ki,kj->ij", share, off, off)
     return centre, np.asarray(0.5 * (total + total.T))
-
-
-def shallow(axes: Floats, depth: float) -> Floats:
-    """Shape (3, 3) of displacements that are smaller along the last of the axes, by `depth`."""
-    return np.asarray(axes.T @ np.diag([1.0, 1.0, depth**2]) @ axes)
-
-
-def _log_density(innovation: Floats, S: Floats, weights: tuple[float, ...]) -> Floats:
-    """Log-density (modes,) of an innovation (3,) for covariances S (modes, 3, 3), weighted."""
-    d2 = innovation @ np.linalg.solve(S, innovation[:, None])[..., 0].T
-    return np.asarray(np.log(weights) - 0.5 * (d2 + np.linalg.slogdet(S)[1]))
