@@ -16,7 +16,7 @@ from pjpdaf.camera import Camera, project, to_camera, undistort_points
 from pjpdaf.detector.adaptation import AdaptationParameters, BlobDetectorParameters
 from pjpdaf.detector.alignment import Alignment, moved
 from pjpdaf.detector.background import Background, BackgroundSums, BackgroundTest, prepare
-from pjpdaf.detector.chroma import ChromaTest, smoothed
+from pjpdaf.detector.chroma import ChromaTest
 from pjpdaf.detector.cloth import cloth_mask
 from pjpdaf.detector.components import Segments
 from pjpdaf.detector.detector import SkinDetector
@@ -36,6 +36,7 @@ from pjpdaf.detector.guidance import ANY, Guidance, Scope
 from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.detector.silhouette import foreground, opened, reduced, reduction, silhouette, turned
 from pjpdaf.detector.skin import skin_mask, to_hsv
+from pjpdaf.detector.small_picture import SmallPicture
 from pjpdaf.detector.still_scene import SCENE_FRAMES, StillScene, still_scene
 from pjpdaf.frames import StereoFrame
 from pjpdaf.interfaces import Detections, Estimates
@@ -49,16 +50,16 @@ QUIETER = 0.8, 0.6  # floors of the deviations of S and V: averaging takes most 
 
 
 class View(NamedTuple):
-    """A view: picture uint8 (h, w, 3) as searched, and reduced; foreground, and that by chroma,
-    uint8, None before a background is learnt; face, and where it was looked for.
+    """A view: picture uint8 (h, w, 3) as searched; once a background is learnt the reduced picture,
+    foreground, and that by chroma, uint8; face, and where it was looked for.
     """
 
     picture: np.ndarray
-    small: np.ndarray
-    person: np.ndarray | None
-    coloured: np.ndarray | None
-    face: Face | None
-    place: HeadPlace | None
+    small: SmallPicture | None = None
+    person: np.ndarray | None = None
+    coloured: np.ndarray | None = None
+    face: Face | None = None
+    place: HeadPlace | None = None
 
 
 @final
@@ -199,39 +200,39 @@ class BlobDetector:
         return ExpectedHead(centre_px, float(camera.K[0, 0]) / depth_m / step)
 
     def _view(self, view: int, picture: np.ndarray, expected: ExpectedHead | None) -> View:
-        small = reduced(picture)
         if not self._tests:
-            return View(picture, small, None, None, None, None)
-        hsv = to_hsv(small)
-        person, coloured = foreground(hsv, self._tests[view]), None
+            return View(picture)
+        small = SmallPicture.of(reduced(picture))
+        person, coloured = foreground(small.hsv, self._tests[view]), None
         if self.adaptation.test_chroma:
             coloured = self._chroma[view](small)
             person |= opened(coloured)
         focal_px = self._small_focal_px(view, picture)
         shoulders = self.adaptation.to_shoulders
         place, inside = head_place(person, focal_px, expected, shoulders)
-        face = None if inside is None else face_in(inside, small, self._chroma[view].median)
+        face = None if inside is None else face_in(inside, small.bgr, self._chroma[view].median)
         return View(picture, small, person, coloured, face, place)
 
     def _no_skin(self, number: int, view: View, face: Face | None) -> np.ndarray | None:
         """Clothes of the colour of skin and ghosts in the reduced picture, None without any."""
         cloth = self._cloth(number, view, face)
-        ghost = self._ghosts[number](view.small) if self._ghosts else None
+        ghost = None
+        if view.small is not None and self._ghosts:
+            ghost = self._ghosts[number](view.small)
         if ghost is None:
             return cloth
         return ghost if cloth is None else np.asarray(ghost | cloth)
 
     def _cloth(self, number: int, view: View, face: Face | None) -> np.ndarray | None:
         """Clothes of the colour of skin in the reduced picture, None without any."""
-        p = self.base.parameters
-        if face is None or view.person is None or not self.adaptation.split_clothes:
+        small, person, p = view.small, view.person, self.base.parameters
+        if small is None or person is None or face is None or not self.adaptation.split_clothes:
             return None
         balance = self.adaptation.balance_light and not face.fits
-        small = to_reference(view.small, face) if balance else view.small
-        skin = (skin_mask(to_hsv(small), p.skin) > 0) & (view.person > 0)
-        smooth = smoothed(view.small.astype(np.float32))
+        hsv = to_hsv(to_reference(small.bgr, face)) if balance else small.hsv
+        skin = (skin_mask(hsv, p.skin) > 0) & (person > 0)
         focal_px = self._small_focal_px(number, view.picture)
-        return cloth_mask(smooth, skin, face, focal_px, self.adaptation.clear_clothes)
+        return cloth_mask(small.logs, skin, face, focal_px, self.adaptation.clear_clothes)
 
     def _small_focal_px(self, number: int, picture: np.ndarray) -> float:
         return float(self.base.cameras[number].K[0, 0]) / reduction(picture.shape[1])

@@ -13,17 +13,23 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from pjpdaf.arrays import Floats, Ints, readonly
+from pjpdaf.arrays import Floats, Ints, median, readonly
 from pjpdaf.detector.background import Background
+from pjpdaf.detector.small_picture import SMOOTH_PX, SmallPicture, smooth_levels
 
-SMOOTH_PX = 0.8  # of the reduced picture
 KEPT_NOISE = 1.0 / (4.0 * np.pi * SMOOTH_PX**2) ** 0.5  # share of the noise that smoothing leaves
 LEAST_NOISE = 0.7  # of a pixel of the reduced picture [grey levels]
 FLOOR = 0.011  # deviation of log chroma that light itself makes
 THRESHOLD = 18.4  # 99.99 % point of chi-square with 2 degrees of freedom
 THRESHOLD_ALONE = 8.0  # of a pixel that was not smoothed
-EVERY = 3  # pixels, for the median
+# Square of a difference in log chroma that is far enough without noise, with room for rounding.
+NEAREST = 0.99 * THRESHOLD * FLOOR**2
+# Pixels, for the median: what the camera's own white balance did since. Most of a picture is
+# background.
+EVERY = 3
 DARK = 8.0  # grey levels below which a channel says nothing
+LEVELS = np.maximum(np.arange(256, dtype=np.float32), 1.0)
+LOGS = np.log(LEVELS)
 
 
 def log_chroma(bgr: np.ndarray) -> np.ndarray:
@@ -48,45 +54,49 @@ class ChromaTest:
     def of(background: Background) -> ChromaTest:
         """Prepare the test of a reduced picture's background."""
         bgr = background.bgr
-        chroma = np.ascontiguousarray(np.moveaxis(log_chroma(smoothed(bgr)), -1, 0))
+        blue, green, red = (np.log(level) for level in smooth_levels(bgr))
         noise = np.maximum(background.sd[..., 2] * 255.0, LEAST_NOISE) * KEPT_NOISE
         return ChromaTest(
-            readonly(chroma, (2, None, None), "mean", np.float32),
+            readonly([red - green, green - blue], (2, None, None), "mean", np.float32),
             readonly(noise, (None, None), "noise", np.float32),
             np.median(log_chroma(bgr).reshape(-1, 2), axis=0).astype(np.float64),
         )
 
-    def __call__(self, small: np.ndarray) -> np.ndarray:
-        """Test a reduced picture uint8 (h, w, 3): uint8 (h, w), 1 where its chroma differs.
+    def __call__(self, small: SmallPicture) -> np.ndarray:
+        """Test a reduced picture (h, w): uint8 (h, w), 1 where its chroma differs.
 
         A pixel must differ smoothed, and a little by itself: smoothing carries a shirt's colour
         over its edge.
         """
-        bgr = small.astype(np.float32)
-        far = self._distance(smoothed(bgr), 1.0) > THRESHOLD
-        at = np.flatnonzero(far)
-        if len(at):
-            far.reshape(-1)[at] = self._distance(bgr, 1.0 / KEPT_NOISE, at)[:, 0] > THRESHOLD_ALONE
-        return far.astype(np.uint8)
+        one, two = _differences(small.logs, self.mean)
+        one -= median(one[::EVERY, ::EVERY])
+        two -= median(two[::EVERY, ::EVERY])
+        at = np.flatnonzero(one * one + two * two > NEAREST)
+        levels = [level.take(at) for level in small.levels]
+        at = at[self._distance((one.take(at), two.take(at)), levels, 1.0, at) > THRESHOLD]
+        far = np.zeros(one.shape, np.uint8)
+        far.reshape(-1)[at] = self._alone(small.bgr, at) > THRESHOLD_ALONE
+        return far
 
-    def _distance(self, bgr: np.ndarray, noisier: float, at: Ints | None = None) -> np.ndarray:
-        """Squared Mahalanobis distance (h, w) in log chroma, 0 where a channel is dark.
+    def _alone(self, bgr: np.ndarray, at: Ints) -> np.ndarray:
+        """Squared distance (n,) of the pixels `at` (n,) of a picture uint8 that is not smoothed."""
+        some = [LOGS.take(level) for level in cv2.split(bgr[::EVERY, ::EVERY])]
+        levels = bgr.reshape(-1, 3).take(at, axis=0).T
+        off = _differences([LOGS.take(level) for level in levels], self.mean.reshape(2, -1)[:, at])
+        off_some = _differences(some, self.mean[:, ::EVERY, ::EVERY])
+        off = [part - median(of_some) for part, of_some in zip(off, off_some, strict=True)]
+        return self._distance(off, [LEVELS.take(level) for level in levels], 1.0 / KEPT_NOISE, at)
 
-        at: flat indices (n,) of the pixels that are asked for; then the result is (n, 1).
+    def _distance(
+        self, off: Sequence[np.ndarray], levels: Sequence[np.ndarray], noisier: float, at: Ints
+    ) -> np.ndarray:
+        """Squared Mahalanobis distance (n,) in log chroma, 0 where a channel is dark.
+
+        off: the two differences from the mean; levels: of the channels; at: flat indices of the
+        pixels, (n,) each.
         """
-        mean, noise = self.mean, self.noise
-        some = _levels(bgr[::EVERY, ::EVERY])
-        # What the camera's own white balance did since: most of a picture is background.
-        shifts = [np.median(off) for off in _differences(some, mean[:, ::EVERY, ::EVERY])]
-        if at is not None:
-            bgr = bgr.reshape(-1, 1, 3).take(at, axis=0)
-            mean = mean.reshape(2, -1, 1).take(at, axis=1)
-            noise = noise.reshape(-1, 1).take(at, axis=0)
-        levels = _levels(bgr)
-        one, two = _differences(levels, mean)
-        one -= shifts[0]
-        two -= shifts[1]
-        square = (noisier * noise) ** 2
+        one, two = off
+        square = (noisier * self.noise.take(at)) ** 2
         of_blue, of_green, of_red = (square / (level * level) for level in levels)
         distance: np.ndarray = one * one / (of_red + of_green + FLOOR**2)
         distance += two * two / (of_green + of_blue + FLOOR**2)
@@ -94,18 +104,7 @@ class ChromaTest:
         return distance
 
 
-def _levels(bgr: np.ndarray) -> Sequence[np.ndarray]:
-    """Split a float32 picture (h, w, 3): numpy reduces an axis of 3 slowly."""
-    return cv2.split(np.maximum(bgr, 1.0))
-
-
-def _differences(levels: Sequence[np.ndarray], mean: np.ndarray) -> list[np.ndarray]:
-    """Log chroma, its two parts one by one, of levels B, G, R less the mean (2, ...)."""
-    blue, green, red = (np.log(level) for level in levels)
+def _differences(logs: Sequence[np.ndarray], mean: np.ndarray) -> list[np.ndarray]:
+    """Log chroma, its two parts one by one, of logarithms of B, G, R less the mean (2, ...)."""
+    blue, green, red = logs
     return [red - green - mean[0], green - blue - mean[1]]
-
-
-def smoothed(bgr: np.ndarray) -> np.ndarray:
-    """Smooth a float32 picture (h, w, 3)."""
-    smooth: np.ndarray = cv2.GaussianBlur(bgr, (0, 0), SMOOTH_PX)
-    return smooth

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 
@@ -20,12 +22,12 @@ BOUNDS = 0.4, 0.65  # of the way from the face to the clothes, where clothes beg
 
 
 def cloth_mask(
-    smooth: np.ndarray, skin: np.ndarray, face: Face, focal_px: float, clear: bool = True
+    logs: Sequence[np.ndarray], skin: Bools, face: Face, focal_px: float, clear: bool = True
 ) -> np.ndarray | None:
     """Find clothes among skin-coloured pixels, uint8 (h, w), 0 or 1; None where there are none.
 
-    smooth: float32 BGR (h, w, 3), the smoothed reduced picture; skin: bool (h, w), its foreground
-    in the skin range; focal_px: of the reduced picture. clear: clothes of a colour far from the
+    logs: of the reduced picture (h, w), as of `SmallPicture`; skin: bool (h, w), its foreground in
+    the skin range; focal_px: of the reduced picture. clear: clothes of a colour far from the
     face's are clothes where less is in the skin range too, as of a person far away. The clothes are
     the largest cluster of log chroma away from the face's; a pixel belongs to the nearer of the
     two, by their spread.
@@ -34,7 +36,8 @@ def cloth_mask(
     size_m2 = float(skin.sum()) / metre_px**2
     if size_m2 < (CLEAR_M2 if clear else SKIN_M2):
         return None
-    chroma = log_chroma(smooth[skin])
+    blue, green, red = (log[skin] for log in logs)
+    chroma = np.stack([red - green, green - blue], axis=-1)
     of_face = log_chroma(face.bgr)
     cloth = _largest(chroma, of_face)
     if cloth is None:

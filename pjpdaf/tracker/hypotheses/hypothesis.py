@@ -59,8 +59,8 @@ class Sightings:
 
     own (n,) cost of each pair by itself; joint (n + 2, n + 2) of two together; odds (n,) that it is
     the right hand [log]; face_m (f, 3) places before the face and,
-    the last, behind the head; face_cost (f,). motion (3, 3): shape of the hands' displacements,
-    None: the same along each axis.
+    the last, behind the head; face_cost (f,). aside_m (2, n, 3): from pairs to the palm of right
+    and left. motion (3, 3): shape of the hands' displacements, None: the same along each axis.
     """
 
     pairs: Pairs
@@ -69,6 +69,7 @@ class Sightings:
     odds: Floats
     face_m: Floats
     face_cost: Floats
+    aside_m: Floats
     motion: Floats | None = None
 
 
@@ -102,7 +103,8 @@ def grow(
     and left where they are known.
     """
     k = len(seen.face_m)
-    points = np.concatenate([seen.pairs.points_m, seen.face_m])
+    face = np.broadcast_to(seen.face_m, (2, k, 3))
+    points = np.concatenate([seen.pairs.points_m + seen.aside_m, face], axis=1)
     C_face = np.tile(np.eye(3) * p.noise.face_m**2, (k, 1, 1))
     C = np.concatenate([seen.pairs.covariances_m2, C_face])
     each = _alone(hypotheses, seen, points, C, dt_s, p)
@@ -196,7 +198,7 @@ def _alone(
     means = np.array([h.means for h in hypotheses])  # (K, 2, 3)
     P = np.array([h.covariances for h in hypotheses])
     log = log_likelihood(
-        points[None, None] - means[:, :, None],
+        points[None] - means[:, :, None],
         P[:, :, None] + C[None, None],
         p.motion.weights,
         steps(dt_s, p.motion.deviations_m),
@@ -209,7 +211,7 @@ def _alone(
     each[:, :, :n] += seen.own
     each[:, :, n:-1] += seen.face_cost
     # A hand that was far from the head, or gone before, went elsewhere.
-    far = np.linalg.norm(means - points[-1], axis=2) > BEHIND_WITHIN_M
+    far = np.linalg.norm(means - seen.face_m[-1], axis=2) > BEHIND_WITHIN_M
     each[:, :, -2] += np.where(far | (unseen_s[..., 0] > BEHIND_WITHIN_S), FORBIDDEN, 0.0)
     return np.asarray(np.minimum(each, FORBIDDEN))
 
@@ -226,7 +228,7 @@ def _moved(
 ) -> tuple[Floats, Floats, float, Floats]:
     """A hand after its choice: mean (3,), covariance (3, 3), time unseen, velocity (3,)."""
     m = p.motion
-    if choice >= len(points):
+    if choice >= len(C):
         P = h.covariances[side] + 0.5 * spread(dt_s, m.weights, m.deviations_m)
         way, velocity = coasted(h.velocities[side], dt_s, m.coast_s)
         unseen_s = float(h.unseen_s[side] + dt_s)
@@ -234,14 +236,14 @@ def _moved(
     mean, P = correct(
         h.means[side],
         h.covariances[side],
-        points[choice],
+        points[side, choice],
         C[choice],
         dt_s,
         m.weights,
         m.deviations_m,
         shape,
     )
-    behind = choice == len(points) - 1  # the head: believed to be there, not seen
+    behind = choice == len(C) - 1  # the head: believed to be there, not seen
     if behind:
         return mean, P, float(h.unseen_s[side] + dt_s), np.zeros(3)
     if h.unseen_s[side] > 0:

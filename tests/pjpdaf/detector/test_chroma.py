@@ -7,6 +7,7 @@ import pytest
 
 from pjpdaf.detector.background import BackgroundSums
 from pjpdaf.detector.chroma import ChromaTest, log_chroma
+from pjpdaf.detector.small_picture import SmallPicture
 
 WALL_BGR = np.array([107.0, 135.0, 170.0])
 FACE_BGR = np.array([79.0, 101.0, 142.0])  # as a shadow of the wall would be, but for its chroma
@@ -35,7 +36,7 @@ def test_log_chroma_of_a_colour_and_of_the_same_in_another_light():
 def test_a_face_before_a_wall_of_nearly_its_colour_is_seen_and_nothing_else(chroma_test):
     scene = picture(np.random.default_rng(2))
     scene[20:40, 30:50] = np.random.default_rng(4).normal(FACE_BGR, 0.9, (20, 20, 3)).round()
-    far = chroma_test(scene) > 0
+    far = chroma_test(SmallPicture.of(scene)) > 0
     assert far[22:38, 32:48].mean() > 0.99
     far[18:42, 28:52] = False
     assert far.mean() < 0.002
@@ -44,10 +45,10 @@ def test_a_face_before_a_wall_of_nearly_its_colour_is_seen_and_nothing_else(chro
 def test_a_shadow_and_the_cameras_white_balance_are_background(chroma_test):
     shadow = picture(np.random.default_rng(2))
     shadow[20:40, 30:50] = np.rint(0.6 * shadow[20:40, 30:50])
-    assert chroma_test(shadow).mean() < 0.01
+    assert chroma_test(SmallPicture.of(shadow)).mean() < 0.01
     balanced = picture(np.random.default_rng(2), light=np.array([1.15, 1.0, 0.9]))
-    assert chroma_test(balanced).mean() < 0.002
+    assert chroma_test(SmallPicture.of(balanced)).mean() < 0.002
 
 
 def test_black_has_no_chroma(chroma_test):
-    assert not chroma_test(np.zeros((60, 80, 3), np.uint8)).any()
+    assert not chroma_test(SmallPicture.of(np.zeros((60, 80, 3), np.uint8))).any()

@@ -7,6 +7,7 @@ import pytest
 
 from pjpdaf.detector.background import BackgroundSums
 from pjpdaf.detector.ghost import GhostTest
+from pjpdaf.detector.small_picture import SmallPicture
 
 TABLE, CUP, HAND = (80.0, 115.0, 165.0), (40.0, 110.0, 30.0), (79.0, 90.0, 142.0)
 AT = np.s_[50:62, 60:70]
@@ -30,12 +31,12 @@ def ghosts() -> GhostTest:
 
 
 def test_nothing_is_a_ghost_while_the_cup_stands(ghosts):
-    assert ghosts(table(20, cup=True)) is None
+    assert ghosts(SmallPicture.of(table(20, cup=True))) is None
 
 
 @pytest.mark.parametrize("light", [1.0, 0.8])
 def test_table_where_cup_and_shadow_were_is_a_ghost_and_nothing_else(ghosts, light):
-    mask = ghosts(table(20, light=light))
+    mask = ghosts(SmallPicture.of(table(20, light=light)))
     assert mask is not None
     assert mask[AT].all()
     assert mask[SHADOW].all()
@@ -47,7 +48,7 @@ def test_a_hand_where_the_cup_was_is_none(ghosts):
     """It is as bright as the table."""
     scene = table(20)
     scene[46:70, 40:76] = np.rint(np.array(HAND) * 0.8)
-    mask = ghosts(scene)
+    mask = ghosts(SmallPicture.of(scene))
     assert mask is None or mask[AT].mean() < 0.1
 
 
@@ -65,5 +66,5 @@ def test_where_what_is_around_is_no_one_surface_nothing_is_known():
     test = GhostTest.of(sums.result(10))
     face = books.round().astype(np.uint8)
     face[40:80, 60:90] = np.median(books.reshape(-1, 3), axis=0).round()
-    mask = test(face)
+    mask = test(SmallPicture.of(face))
     assert mask is None or mask[40:80, 60:90].mean() < 0.2
