@@ -99,7 +99,12 @@ TRACKER = (
     Part("blobs want owners", {"unexplained": "0", "unexplained_single": "0"}),
     Part("pieces of face and neck", {"piece": "0"}),
     Part("size of the hands learnt", {"area_memory": "0"}),
+    Part("hands that point at the camera", {"tilt": "0"}, {"palm": "0"}),
+    Part("hands that point inwards", {"outward_m": "0"}, OFFSETS),
     Part("height of the hair", {"crown_share": "0"}, OFFSETS),
+    Part("breadth of the head", {"breadth_share": "0"}, OFFSETS),
+    Part("hair beside the face", {"beside_share": "0"}, OFFSETS),
+    Part("height of the face", {"height_share": "0"}, OFFSETS),
     Part("offsets to the body's centre", OFFSETS),
 )
 

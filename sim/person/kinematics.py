@@ -76,47 +76,65 @@ def reach_limits(upper_m: float, forearm_m: float) -> tuple[float, float]:
 def within_reach(shoulder_m: Floats, wrist_m: Floats, upper_m: float, forearm_m: float) -> Floats:
     """The wrist (3,), moved along its line to the shoulder into reach if it is outside."""
     least, most = reach_limits(upper_m, forearm_m)
-    offset = wrist_m - shoulder_m
-    distance = norm(offset)
+    start = shoulder_m.tolist()
+    offset = [b - a for a, b in zip(start, wrist_m.tolist(), strict=True)]
+    distance = _length(offset)
     if distance < 1e-9:
-        offset, distance = np.array([1.0, 0.0, 0.0]), 1.0
-    within: Floats = shoulder_m + offset * (min(max(distance, least), most) / distance)
-    return within
+        offset, distance = [1.0, 0.0, 0.0], 1.0
+    k = min(max(distance, least), most) / distance
+    return np.array([a + o * k for a, o in zip(start, offset, strict=True)])
 
 
-_UP = np.array([0.0, 0.0, 1.0])
+# Single vectors are lists of floats here, which takes a third of the time of arrays of three.
+Vector = list[float]
+_UP = [0.0, 0.0, 1.0]
+
+
+def _dot(a: Vector, b: Vector) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _length(a: Vector) -> float:
+    return math.sqrt(_dot(a, a))
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    (a0, a1, a2), (b0, b1, b2) = a, b
+    return [a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0]
 
 
 @dataclass(frozen=True, eq=False)
 class ElbowCircle:
     """Where the elbow may be: centre + radius (cos swivel down + sin swivel outward)."""
 
-    centre_m: Floats
+    centre_m: Vector
     radius_m: float
-    down: Floats
-    outward: Floats
+    down: Vector
+    outward: Vector
 
     def elbow(self, swivel_rad: float) -> Floats:
         """Elbow (3,) at a swivel: 0 hangs straight down, pi/2 points away from the body."""
-        along = math.cos(swivel_rad) * self.down + math.sin(swivel_rad) * self.outward
-        return self.centre_m + self.radius_m * along
+        c, s, r = math.cos(swivel_rad), math.sin(swivel_rad), self.radius_m
+        at = zip(self.centre_m, self.down, self.outward, strict=True)
+        return np.array([m + r * (c * down + s * out) for m, down, out in at])
 
     def swing(self, swivel_rad: float) -> Floats:
         """How the elbow moves with the swivel (3,) [m/rad]."""
-        along: Floats = math.cos(swivel_rad) * self.outward - math.sin(swivel_rad) * self.down
-        return self.radius_m * along
+        c, s, r = math.cos(swivel_rad), math.sin(swivel_rad), self.radius_m
+        ways = zip(self.down, self.outward, strict=True)
+        return np.array([r * (c * out - s * down) for down, out in ways])
 
     def least_swivel(self, height_m: float) -> float:
         """The smallest swivel in [0, MAX_SWIVEL_RAD] that keeps the elbow at or above a height."""
         return self.least_swivel_towards(_UP, height_m)
 
-    def least_swivel_towards(self, direction: Floats, level_m: float) -> float:
+    def least_swivel_towards(self, direction: Vector, level_m: float) -> float:
         """The smallest swivel in [0, MAX_SWIVEL_RAD] that keeps the elbow at or beyond a level
         along a unit direction (3,).
         """
-        a = self.radius_m * float(self.down @ direction)
-        b = self.radius_m * float(self.outward @ direction)
-        need = level_m - float(self.centre_m @ direction)  # a cos s + b sin s >= need
+        a = self.radius_m * _dot(self.down, direction)
+        b = self.radius_m * _dot(self.outward, direction)
+        need = level_m - _dot(self.centre_m, direction)  # a cos s + b sin s >= need
         if a >= need:
             return 0.0
         size = math.hypot(a, b)
@@ -126,24 +144,22 @@ class ElbowCircle:
         return min(max(crossing, 0.0), MAX_SWIVEL_RAD)
 
 
-def _hanging(side: int, axis: Floats) -> Floats:
-    """Where an elbow at rest points (3,), not yet square to the arm's axis (3,).
+def _hanging(side: int, axis: Vector) -> Vector:
+    """Where an elbow at rest points, not yet square to the arm's axis.
 
     Straight down; backwards when the arm hangs down, forwards when it is raised, where "down" along
     the arm has no meaning; forwards and out when the hand is raised beside and behind the head.
     Continuous but for hands that reach through the back.
     """
-    x, _, z = axis.tolist()
+    x, _, z = axis
     steep = max(0.0, abs(z) - 0.8) / 0.2
     behind = _smooth((0.25 - x) / 0.5) * _smooth(z / 0.6)
     still = 1.0 - behind
-    return np.array(
-        [
-            still * math.copysign(steep, z) + 0.8 * behind,
-            0.6 * behind * OUTWARD[side],
-            still * (-1.0 + 0.7 * steep) + 0.2 * behind,
-        ]
-    )
+    return [
+        still * math.copysign(steep, z) + 0.8 * behind,
+        0.6 * behind * OUTWARD[side],
+        still * (-1.0 + 0.7 * steep) + 0.2 * behind,
+    ]
 
 
 def _smooth(share: float) -> float:
@@ -156,19 +172,23 @@ def elbow_circle(
     side: int, shoulder_m: Floats, wrist_m: Floats, upper_m: float, forearm_m: float
 ) -> ElbowCircle:
     """Two-link closed form (law of cosines); the wrist must be `within_reach`."""
-    offset = wrist_m - shoulder_m
-    d = norm(offset)
-    axis = offset / d
+    start = shoulder_m.tolist()
+    offset = [b - a for a, b in zip(start, wrist_m.tolist(), strict=True)]
+    d = _length(offset)
+    axis = [x / d for x in offset]
     along = (d * d + upper_m * upper_m - forearm_m * forearm_m) / (2.0 * d)
     radius = math.sqrt(max(upper_m * upper_m - along * along, 0.0))
     down = _hanging(side, axis)
-    down = down - (down @ axis) * axis
-    if norm(down) < 1e-3:
-        down = cross(axis, np.array([0.0, 1.0, 0.0]))
-    down = down / norm(down)
+    tilt = _dot(down, axis)
+    down = [x - tilt * a for x, a in zip(down, axis, strict=True)]
+    if _length(down) < 1e-3:
+        down = _cross(axis, [0.0, 1.0, 0.0])
+    length = _length(down)
+    down = [x / length for x in down]
     # Always the same way round: turning it over where it points inward would throw the elbow over.
-    outward = OUTWARD[side] * cross(axis, down)
-    return ElbowCircle(shoulder_m + along * axis, radius, down, outward)
+    outward = [OUTWARD[side] * x for x in _cross(axis, down)]
+    centre = [a + along * x for a, x in zip(start, axis, strict=True)]
+    return ElbowCircle(centre, radius, down, outward)
 
 
 def solve_arm(
@@ -196,7 +216,7 @@ def solve_arm(
             swivel = max(swivel, circle.least_swivel(elbow_above_m))
         if forward is not None:
             behind = float(shoulder_m @ forward) - a * FARTHEST_BACK
-            swivel = max(swivel, circle.least_swivel_towards(forward, behind))
+            swivel = max(swivel, circle.least_swivel_towards(forward.tolist(), behind))
         return swivel
 
     # A round leaves at most a fifth of the excess, or overshoots a little: the forearm follows.

@@ -92,8 +92,9 @@ def candidates(
     blobs = np.array(blob, np.intp)
     palm = np.zeros((len(chosen), 2))
     whole = part == WHOLE
-    away = np.clip(view.looks.palms[blobs[whole]], -LONGEST_FINGERS, LONGEST_FINGERS)
-    palm[whole] = -p.palm * away * np.sqrt(view.areas_px[blobs[whole]])[:, None]
+    # Sideways they say nothing: hands point inwards more or less alike (`centres.py`).
+    down = np.clip(view.looks.fingers[blobs[whole], 1], -LONGEST_FINGERS, LONGEST_FINGERS)
+    palm[whole, 1] = -p.palm * down * np.sqrt(view.areas_px[blobs[whole]])
     return Candidates(
         np.array([c.centre_px for c in chosen]).reshape(-1, 2),
         np.array([c.area_px for c in chosen], np.float64),

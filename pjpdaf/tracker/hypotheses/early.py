@@ -14,6 +14,7 @@ from pjpdaf.arrays import Floats
 from pjpdaf.interfaces import Estimates
 from pjpdaf.targets import HEAD, LEFT_HAND, RIGHT_HAND
 from pjpdaf.tracker.hypotheses.blobs import Blobs
+from pjpdaf.tracker.hypotheses.centres import outward
 from pjpdaf.tracker.hypotheses.costs import area_cost
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.head import HeadTrack, crown_of
@@ -63,6 +64,7 @@ def early_sightings(seen: tuple[Blobs, ...], views: Views, p: HypothesisParamete
     if named is not None:
         target, pair = named
         offset = np.array(p.offsets.hand_offset_m) @ views.axes
+        offset += outward(pairs.part, seen, views.axes, p.offsets)[target - RIGHT_HAND, pair]
         own = p.offsets.hand_offset_sd_m
         put(target, pairs.points_m[pair] + offset, pairs.covariances_m2[pair] + np.eye(3) * own**2)
     return Early(Estimates(positions, P, velocities, tuple(status)))

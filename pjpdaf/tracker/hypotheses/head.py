@@ -10,7 +10,9 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.candidates import HeadPlace
+from pjpdaf.tracker.hypotheses.centres import CROWN_M, head_offset
 from pjpdaf.tracker.hypotheses.geometry import Views, stereo_information
+from pjpdaf.tracker.hypotheses.hair_beside import hair_beside
 from pjpdaf.tracker.hypotheses.motion import correct, spread
 from pjpdaf.tracker.hypotheses.nearer_head import nearer_head
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
@@ -24,7 +26,6 @@ FARTHEST_M = 0.45  # from the prediction, the more the longer it is unseen
 RESIDUAL_PX = 6.0  # rms, of two views that agree
 MERGED_PX = 4.0, 1.5  # deviations of a merged head's centre: common to the views, between them
 ALONG_RAY_M = 0.1
-CROWN_M = 0.157  # height of the hair's top above the centre of the skin, of an average person
 CROWNS_M = 0.10, 0.22  # of people
 
 
@@ -34,7 +35,8 @@ class HeadTrack:
 
     mean (3,) [m] of the visible skin's centre; covariance (3, 3); area_m2; shape_m2 (2, 2) second
     moments of the free head; crown_m height of the silhouette's top, the hair, above the centre
-    of the skin; unseen_s time since it was seen.
+    of the skin; beside_m width of hair beside the face, None: not known; unseen_s time since it was
+    seen.
     """
 
     mean: Floats
@@ -42,16 +44,13 @@ class HeadTrack:
     area_m2: float
     shape_m2: Floats
     crown_m: float = CROWN_M
+    beside_m: float | None = None
     unseen_s: float = 0.0
 
     def centre(self, axes: Floats, p: HypothesisParameters) -> Floats:
-        """Centre of the head (3,) [m].
-
-        How far it is above the centre of the skin goes with how much the hair hides.
-        """
-        right, down, away = p.offsets.head_offset_m
-        down -= p.offsets.crown_share * (self.crown_m - CROWN_M)
-        return np.asarray(self.mean + np.array([right, down, away]) @ axes)
+        """Centre of the head (3,) [m]."""
+        offset = head_offset(axes, self.shape_m2, self.crown_m, self.beside_m, p.offsets)
+        return np.asarray(self.mean + offset)
 
 
 def follow_head(
@@ -93,13 +92,22 @@ def follow_head(
         return after, places
     memory = MEMORY if free else SLOW_MEMORY
     crown = crown_of(mean, seen, views)
+    beside = hair_beside(mean, seen, views)
     learnt = replace(
         after,
         crown_m=track.crown_m + (0.0 if crown is None else memory * (crown - track.crown_m)),
+        beside_m=_mean(track.beside_m, beside, memory),
         area_m2=(1 - memory) * track.area_m2 + memory * area,
         shape_m2=(1 - memory) * track.shape_m2 + memory * shape,
     )
     return learnt, places
+
+
+def _mean(before: float | None, now: float | None, memory: float) -> float | None:
+    """A running mean; None while nothing is known."""
+    if before is None or now is None:
+        return now if before is None else before
+    return before + memory * (now - before)
 
 
 def head_places(

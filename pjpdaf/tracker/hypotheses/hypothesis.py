@@ -59,8 +59,8 @@ class Sightings:
 
     own (n,) cost of each pair by itself; joint (n + 2, n + 2) of two together; odds (n,) that it is
     the right hand [log]; face_m (f, 3) places before the face and,
-    the last, behind the head; face_cost (f,). motion (3, 3): shape of the hands' displacements,
-    None: the same along each axis.
+    the last, behind the head; face_cost (f,). aside_m (2, n, 3): from pairs to the palm of right
+    and left. motion (3, 3): shape of the hands' displacements, None: the same along each axis.
     """
 
     pairs: Pairs
@@ -69,6 +69,7 @@ class Sightings:
     odds: Floats
     face_m: Floats
     face_cost: Floats
+    aside_m: Floats
     motion: Floats | None = None
 
 
@@ -102,7 +103,8 @@ def grow(
     and left where they are known.
     """
     k = len(seen.face_m)
-    points = np.concatenate([seen.pairs.points_m, seen.face_m])
+    face = np.broadcast_to(seen.face_m, (2, k, 3))
+    points = np.concatenate([seen.pairs.points_m + seen.aside_m, face], axis=1)
     C_face = np.tile(np.eye(3) * p.noise.face_m**2, (k, 1, 1))
     C = np.concatenate([seen.pairs.covariances_m2, C_face])
     each = _alone(hypotheses, seen, points, C, dt_s, p)
@@ -140,7 +142,7 @@ def grow(
     for k, right, left in choices:
         for way in ((k, 0, right), (k, 1, left)):
             if way not in moved:
-                moved[way] = _moved(hypotheses[k], way, updates.get(way), len(points), dt_s, p)
+                moved[way] = _moved(hypotheses[k], way, updates.get(way), len(C), dt_s, p)
         hands = moved[k, 0, right], moved[k, 1, left]
         means = np.array([hand[0] for hand in hands])
         if any(np.abs(g.means - means).max() < SAME_M for g in grown):
@@ -195,7 +197,7 @@ def _alone(
     means = np.array([h.means for h in hypotheses])  # (K, 2, 3)
     P = np.array([h.covariances for h in hypotheses])
     log = log_likelihood(
-        points[None, None] - means[:, :, None],
+        points[None] - means[:, :, None],
         P[:, :, None] + C[None, None],
         p.motion.weights,
         steps(dt_s, p.motion.deviations_m),
@@ -208,7 +210,7 @@ def _alone(
     each[:, :, :n] += seen.own
     each[:, :, n:-1] += seen.face_cost
     # A hand that was far from the head, or gone before, went elsewhere.
-    far = np.linalg.norm(means - points[-1], axis=2) > BEHIND_WITHIN_M
+    far = np.linalg.norm(means - seen.face_m[-1], axis=2) > BEHIND_WITHIN_M
     each[:, :, -2] += np.where(far | (unseen_s[..., 0] > BEHIND_WITHIN_S), FORBIDDEN, 0.0)
     return np.asarray(np.minimum(each, FORBIDDEN))
 
@@ -227,14 +229,16 @@ def _updates(
     choices: hypothesis, choice of the right and of the left hand.
     """
     ways = {(k, 0, right) for k, right, _ in choices} | {(k, 1, left) for k, _, left in choices}
-    seen = sorted(way for way in ways if way[2] < len(points))
+    seen = sorted(way for way in ways if way[2] < len(C))
     if not seen:
         return {}
     k, side, choice = np.transpose(seen)
     means = np.array([h.means for h in hypotheses])[k, side]
     P = np.array([h.covariances for h in hypotheses])[k, side]
     m = p.motion
-    after = updated(means, P, points[choice], C[choice], dt_s, m.weights, m.deviations_m, shape)
+    after = updated(
+        means, P, points[side, choice], C[choice], dt_s, m.weights, m.deviations_m, shape
+    )
     return dict(zip(seen, zip(*after, strict=True), strict=True))
 
 

@@ -13,9 +13,11 @@ from pjpdaf.tracker.hypotheses.arm_pieces import forearm_cost
 from pjpdaf.tracker.hypotheses.attached import apart_cost, attached
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.candidates import END, WHOLE, HeadPlace, candidates
+from pjpdaf.tracker.hypotheses.centres import CROWN_M, outward
 from pjpdaf.tracker.hypotheses.costs import area_cost, end_cost, finger_directions
 from pjpdaf.tracker.hypotheses.geometry import Views
-from pjpdaf.tracker.hypotheses.head import CROWN_M, HeadTrack, crown_of, head_size
+from pjpdaf.tracker.hypotheses.hair_beside import hair_beside
+from pjpdaf.tracker.hypotheses.head import HeadTrack, crown_of, head_size
 from pjpdaf.tracker.hypotheses.pairs import Pairs, pair_candidates
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 from pjpdaf.tracker.hypotheses.sleeve import Body, arm_scores, arm_values
@@ -54,7 +56,7 @@ def open_tracks(seen: tuple[Blobs, ...], views: Views, p: HypothesisParameters) 
     if head is None:
         return None
     track = head_track(pairs, head, seen, views)
-    hands = _hands(pairs, hands_below(pairs, head, seen, views, longest, p), p)
+    hands = _hands(pairs, hands_below(pairs, head, seen, views, longest, p), seen, views, p)
     return Opening(track, hands, longest) if hands else None
 
 
@@ -122,7 +124,8 @@ def head_track(pairs: Pairs, head: int, seen: tuple[Blobs, ...], views: Views) -
     mean = views.triangulate(one.centre_px[None], two.centre_px[None])[0][0]
     area, shape = head_size(mean, seen, (one, two), views)
     crown = crown_of(mean, seen, views) or CROWN_M
-    return HeadTrack(mean, np.eye(3) * HEAD_SD_M**2, area, shape, crown)
+    beside = hair_beside(mean, seen, views)
+    return HeadTrack(mean, np.eye(3) * HEAD_SD_M**2, area, shape, crown, beside)
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,8 +176,11 @@ def hands_below(
     return Hands(good, own, scores, np.asarray(off[:, 0]))
 
 
-def _hands(pairs: Pairs, of: Hands, p: HypothesisParameters) -> tuple[tuple[Floats, float], ...]:
+def _hands(
+    pairs: Pairs, of: Hands, seen: tuple[Blobs, ...], views: Views, p: HypothesisParameters
+) -> tuple[tuple[Floats, float], ...]:
     hands: list[tuple[Floats, float]] = []
+    palms = pairs.points_m + outward(pairs.part, seen, views.axes, p.offsets)
     for pair in combinations(np.flatnonzero(of.good).tolist(), 2):
         if (pairs.blob[pair[0]] == pairs.blob[pair[1]]).any():
             continue
@@ -184,7 +190,7 @@ def _hands(pairs: Pairs, of: Hands, p: HypothesisParameters) -> tuple[tuple[Floa
             cost = float(of.own[right] + of.own[left])
             cost -= p.sleeve.sleeve_weight * float(of.scores[right, 0] + of.scores[left, 1])
             cost += WRONG_SIDE if of.aside_m[left] < of.aside_m[right] else 0.0
-            hands.append((pairs.points_m[[right, left]], cost))
+            hands.append((palms[[0, 1], [right, left]], cost))
     hands.sort(key=lambda hand: hand[1])
     least = hands[0][1] if hands else 0.0
     near = [(points, cost - least) for points, cost in hands if cost < least + LARGEST_COST]

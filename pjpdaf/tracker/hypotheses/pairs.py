@@ -133,7 +133,7 @@ def _stereo(
     apart = np.hypot(apart, uncertain_px[sane])
     information = stereo_information(views.jacobians(points), common, apart)
     return Pairs(
-        points + _to_palms(views, left.palm_px[i], right.palm_px[j], depth[:, sane]),
+        points + _to_palms(views, left.palm_px[i], right.palm_px[j], depth[:, sane], noise.tilt),
         np.asarray(np.linalg.inv(information)),
         np.where(corrected, np.maximum(a, b), np.sqrt(a * b))[sane],
         own[sane],
@@ -212,14 +212,17 @@ def _by_contours(
     return moved
 
 
-def _to_palms(views: Views, left_px: Floats, right_px: Floats, depth: Floats) -> Floats:
-    """Displacements (n, 3) [m] across the line of sight; the mean of both views'.
+def _to_palms(
+    views: Views, left_px: Floats, right_px: Floats, depth: Floats, tilt: float
+) -> Floats:
+    """Displacements (n, 3) [m] across the line of sight, the mean of both views', and with it.
 
-    The depth is left to the centroids, which the views share better than the palms.
+    The disparity is left to the centroids, which the views share better than the palms; a palm
+    above the skin's centre is behind it, as the hand's fingers point at the camera.
     """
     metre = depth / views.focal_px[:, None]
     across = 0.5 * (left_px * metre[0][:, None] + right_px * metre[1][:, None])
-    return np.asarray(across @ views.axes[:2])
+    return np.asarray(np.column_stack([across, -tilt * across[:, 1]]) @ views.axes)
 
 
 def _coherent(

@@ -36,8 +36,9 @@ class CandidateParameters:
     join_head: bool = True
     # How much of two halves' distance goes for each share of two hands' area that is hidden [1].
     draw_together: NotNegative = 1.5
-    # Share of the vector from centroid to palm by which a whole hand's centre is moved [1].
-    palm: NotNegative = 0.75
+    # Share of the vector from the fingers to the palm by which a whole hand's centre is moved up or
+    # down, fitted [1].
+    palm: NotNegative = 0.85
     # Smallest blob that is split [m^2].
     split_area_m2: AboveZero = 0.008
     # Mean length of the longer hand's blob from which forearms are bare [m].
@@ -89,13 +90,16 @@ class NoiseParameters:
     # How far the outlines of halves that are cut together are behind the hands: fingers go on
     # behind the palm where hands meet before the person, fitted [m].
     halves_behind_m: float = 0.02
+    # How far the centre of a whole hand is behind that of its skin for each metre by which the palm
+    # is above it: fingers that point down in the picture point at the camera, fitted [1].
+    tilt: float = 1.0
     # Of a whole hand's centre between the views, in its radii for each unit of the logarithm by
     # which the views' areas differ: one view alone hides a part of it [1].
     hidden_share: NotNegative = 0.35
     # A difference between the moments of the two views is learnt and taken out.
     learn_skew: bool = True
     # With such a difference, share of the deviations of movement that counts in depth, 1 = all [1].
-    skew_depth: AboveZero = 0.2
+    skew_depth: AboveZero = 1.0
     # Of a hand somewhere at the face, per axis [m].
     face_m: AboveZero = 0.06
     # Places before the face, from its middle: sideways and up or down [m]; 0 = its middle alone.
@@ -203,11 +207,20 @@ class SleeveParameters:
 class OffsetParameters:
     """From the centre of the visible skin to the centre of the body, camera axes [m]."""
 
-    hand_offset_m: tuple[float, float, float] = (0.0, -0.003, 0.008)
+    hand_offset_m: tuple[float, float, float] = (0.0, 0.0025, -0.0015)
     head_offset_m: tuple[float, float, float] = (0.0, -0.027, 0.010)
+    # How far outwards the palm's centre is from that of the hand's skin, as fingers point inwards,
+    # fitted [m].
+    outward_m: float = 0.0125
     # Share of the height by which the hair's top is above the average that the centre of the head's
     # skin is lower, fitted [1].
-    crown_share: float = 0.74
+    crown_share: float = 0.65
+    # Share of the breadth beyond the average that it is higher, fitted [1].
+    breadth_share: float = 0.98
+    # Shares that the width of hair beside the face and the height of the skin, beyond the average,
+    # have in the depth of the head's centre behind its skin, fitted [1].
+    beside_share: float = 0.32
+    height_share: float = 0.19
     # How much the offsets differ, per axis [m].
     hand_offset_sd_m: NotNegative = 0.010
     head_offset_sd_m: NotNegative = 0.006

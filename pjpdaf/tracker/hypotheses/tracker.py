@@ -15,6 +15,7 @@ from pjpdaf.tracker.hypotheses.arm_at_head import before_face, unsure_depth
 from pjpdaf.tracker.hypotheses.attached import apart_cost, attached, learnt_share
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.candidates import WHOLE, HeadPlace, candidates
+from pjpdaf.tracker.hypotheses.centres import outward
 from pjpdaf.tracker.hypotheses.costs import (
     area_cost,
     end_cost,
@@ -207,6 +208,7 @@ class HypothesisTracker:
             ),
             face_m,
             face_cost,
+            outward(pairs.part, seen, self.views.axes, p.offsets),
             self._motion(state),
         )
         only = None
@@ -237,9 +239,10 @@ class HypothesisTracker:
         """Shape (3, 3) of the hands' displacements: where the views' moments differ, a hand seems
         to move in depth when it only moves across, so that less of it is believed.
         """
-        if state.skew is None or state.skew.seconds == 0.0:
+        depth = self.parameters.noise.skew_depth
+        if depth == 1.0 or state.skew is None or state.skew.seconds == 0.0:
             return None
-        return shallow(self.views.axes, self.parameters.noise.skew_depth)
+        return shallow(self.views.axes, depth)
 
     def _learnt_skew(
         self,

@@ -78,6 +78,7 @@ def named(speed_mps: float, odds: float, p: HypothesisParameters = P) -> bool:
         np.array([-odds, odds]),
         FACE[None],
         np.array([30.0]),
+        np.zeros((2, 2, 3)),
     )
     # The left of the picture is the right hand's: it was at the first place.
     before = Hypothesis(0.0, 0.0, PLACES, C, np.zeros(2), speed_mps=speed_mps)

@@ -19,7 +19,7 @@ CAMERAS = rig().cameras
 START_W = np.array([[0.0, 0.0, 1.2], [0.1, -0.2, 0.8], [0.1, 0.2, 0.8]])
 AREAS = np.array([4500.0, 1500, 1500])
 NO_OFFSET = (0.0, 0.0, 0.0)
-PLAIN = HypothesisParameters(offsets=OffsetParameters(NO_OFFSET, NO_OFFSET))
+PLAIN = HypothesisParameters(offsets=OffsetParameters(NO_OFFSET, NO_OFFSET, outward_m=0.0))
 FRAME_S = 1 / 3
 
 
