@@ -52,17 +52,40 @@ def correct(
     Each mode by a Kalman update, then one Gaussian with the moments of their mixture. shape (3, 3):
     covariance of a displacement for a variance of 1, None: the same along each axis.
     """
+    return mixed(*updated(mean, P, point, C, dt_s, weights, deviations_m, shape))
+
+
+def updated(
+    mean: Floats,
+    P: Floats,
+    point: Floats,
+    C: Floats,
+    dt_s: float,
+    weights: tuple[float, ...],
+    deviations_m: tuple[float, ...],
+    shape: Floats | None = None,
+) -> tuple[Floats, Floats, Floats]:
+    """Update as `correct` does, any number at once, of (..., 3) and (..., 3, 3), mode by mode.
+
+    Returns the modes' probabilities (..., modes), means (..., modes, 3) and covariances
+    (..., modes, 3, 3).
+    """
     variances = steps(dt_s, deviations_m)
-    prior = P + variances[:, None, None] * (EYE if shape is None else shape)  # (modes, 3, 3)
+    prior = P[..., None, :, :] + variances[:, None, None] * (EYE if shape is None else shape)
+    S = prior + C[..., None, :, :]
+    innovation = point - mean
     if shape is None:
-        log = log_likelihood(point - mean, P + C, weights, variances)
+        log = log_likelihood(innovation, P + C, weights, variances)
     else:
-        log = _log_density(point - mean, prior + C, weights)
-    weight = np.exp(log - log.max())
-    share = weight / weight.sum()
-    K = prior @ np.linalg.inv(prior + C)
-    means = mean + K @ (point - mean)
-    covariances = (EYE - K) @ prior
+        log = _log_density(innovation, S, weights)
+    weight = np.exp(log - log.max(axis=-1, keepdims=True))
+    K = prior @ np.linalg.inv(S)
+    means = mean[..., None, :] + (K @ innovation[..., None, :, None])[..., 0]
+    return weight / weight.sum(axis=-1, keepdims=True), means, (EYE - K) @ prior
+
+
+def mixed(share: Floats, means: Floats, covariances: Floats) -> tuple[Floats, Floats]:
+    """Mean (3,) and covariance (3, 3) of a mixture of Gaussians, (modes,), (modes, 3), ..."""
     centre = np.einsum("k,ki->i", share, means)
     off = means - centre
     total = np.einsum("k,kij->ij", share, covariances) + np.einsum("k,ki,kj->ij", share, off, off)
@@ -75,6 +98,7 @@ def shallow(axes: Floats, depth: float) -> Floats:
 
 
 def _log_density(innovation: Floats, S: Floats, weights: tuple[float, ...]) -> Floats:
-    """Log-density (modes,) of an innovation (3,) for covariances S (modes, 3, 3), weighted."""
-    d2 = innovation @ np.linalg.solve(S, innovation[:, None])[..., 0].T
+    """Log-density (..., modes) of innovations (..., 3) for S (..., modes, 3, 3), weighted."""
+    solved = np.linalg.solve(S, innovation[..., None, :, None])[..., 0]
+    d2 = (innovation[..., None, :] @ solved.swapaxes(-1, -2))[..., 0, :]
     return np.asarray(np.log(weights) - 0.5 * (d2 + np.linalg.slogdet(S)[1]))
