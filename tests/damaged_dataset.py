@@ -53,10 +53,11 @@ SEQUENCES = (
     ("clap", 133, {"frames": 5, "fps": 1, "shutter_skew": 30, "exposure_time": 20}),
 )
 SEQ = "seq_000000"
+PLAIN = ("depth", "seg")  # layers of `plain`
 
 
 def make(root):
-    """`trio`: three sequences; `single`: the first of them alone, with exports."""
+    """`trio`: three sequences; `single`: the first, with exports; `plain`: few layers of that."""
     trio, single = root / "trio", root / "single"
     entries = []
     for number, (name, seed, overrides) in enumerate(SEQUENCES):
@@ -78,6 +79,13 @@ def make(root):
     coco.export(dataset, single)
     mot.export(dataset, single)
     resum(single)
+    layers = [name for label in LABELS if label not in PLAIN for name in LABELS[label]]
+    shutil.copytree(single, root / "plain", ignore=shutil.ignore_patterns(*layers))
+    edit_json(
+        root / "plain" / "manifest.json",
+        lambda record: record["settings"].update(labels=list(PLAIN)),
+    )
+    resum(root / "plain")
 
 
 @pytest.fixture(scope="session")
@@ -90,6 +98,19 @@ def trio(tmp_path_factory):
 def single(tmp_path_factory):
     """The first sequence alone, with exports; read only."""
     return shared(tmp_path_factory, "damaged", make) / "single"
+
+
+@pytest.fixture(scope="session")
+def plain(tmp_path_factory):
+    """`single` without most layers, whose check takes most of the time; read only."""
+    return shared(tmp_path_factory, "damaged", make) / "plain"
+
+
+@pytest.fixture
+def plain_copy(plain, tmp_path):
+    """A copy of `plain` that a test may damage."""
+    shutil.copytree(plain, tmp_path / "copy")
+    return tmp_path / "copy"
 
 
 @pytest.fixture

@@ -144,6 +144,7 @@ def compared(folder, baseline, out, margins="", allow="false"):
     return done, (folder / "output").read_text(), (folder / "summary").read_text()
 
 
+@pytest.mark.long
 def test_the_action_plays_a_tracker_of_ones_own_and_passes_it(folder):
     done, output, summary = compared(folder, "base", "runs/mine")
     assert done.returncode == 0, done.stderr

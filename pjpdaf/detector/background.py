@@ -69,7 +69,7 @@ class Background:
 class BackgroundTest:
     """A background made ready for the test of a pixel.
 
-    mean (h*w, 3) float32 in the units of `to_hsv`; precision (h*w, 3) float32: 1 / variance of a
+    mean (3, h*w) float32 in the units of `to_hsv`; precision (3, h*w) float32: 1 / variance of a
     new observation in these units; threshold: squared Mahalanobis distance of the foreground;
     shadow_min: smallest share of the background's value that a shadow leaves, 1 = no shadows.
     """
@@ -144,32 +144,43 @@ def prepare(background: Background, parameters: BackgroundParameters) -> Backgro
     steps = np.array([HUE_STEP_DEG, 1 / 255, 1 / 255], np.float32)
     sd = np.maximum(background.sd * np.float32(inflation**0.5), floors) / steps
     return BackgroundTest(
-        readonly((background.mean / steps).reshape(-1, 3), (None, 3), "mean", np.float32),
-        readonly((1 / (sd * sd)).reshape(-1, 3), (None, 3), "precision", np.float32),
+        _planes(background.mean / steps, "mean"),
+        _planes(1 / (sd * sd), "precision"),
         p.background_threshold,
         p.shadow_min,
     )
 
 
-def is_foreground(test: BackgroundTest, hsv: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Test the pixels `at` (n,), flat indices into hsv (h, w, 3), for foreground: bool (n,).
+def _planes(values: np.ndarray, name: str) -> np.ndarray:
+    """Channels (3, h*w) of values (h, w, 3): numpy works slowly along an axis of 3."""
+    channels = np.ascontiguousarray(values.reshape(-1, 3).T)
+    return readonly(channels, (3, None), name, np.float32)
+
+
+def is_foreground(
+    test: BackgroundTest, hsv: np.ndarray, at: np.ndarray | None = None
+) -> np.ndarray:
+    """Test the pixels `at` (n,), flat indices into hsv (h, w, 3), or all: bool (n,), foreground.
 
     Foreground is d^2 = sum (x - mean)^2 / sd^2 > threshold, hue differences taken on the circle.
     Where a pixel has only become darker (by shadow_min at most), value does not count, and the
     noise of hue and saturation, which goes with 1 / value, is taken at the darker value.
     """
-    delta = hsv.reshape(-1, 3).take(at, axis=0).astype(np.float32)
-    mean = test.mean.take(at, axis=0)
+    pixels, mean, precision = hsv.reshape(-1, 3), test.mean, test.precision
+    if at is not None:
+        pixels, mean = pixels.take(at, axis=0), mean.take(at, axis=1)
+        precision = precision.take(at, axis=1)
+    delta = pixels.T.astype(np.float32, order="C")
     delta -= mean
-    hue = np.abs(delta[:, 0])
-    delta[:, 0] = np.minimum(hue, 256.0 - hue)
-    loss = delta[:, 2].copy()
+    hue = np.abs(delta[0])
+    delta[0] = np.minimum(hue, 256.0 - hue)
+    loss = delta[2].copy()
     delta *= delta
-    delta *= test.precision.take(at, axis=0)
-    colour = delta[:, 0] + delta[:, 1]
-    far: np.ndarray = (colour + delta[:, 2]) > test.threshold
+    delta *= precision
+    colour = delta[0] + delta[1]
+    far: np.ndarray = (colour + delta[2]) > test.threshold
     if test.shadow_min < 1.0:
-        value = mean[:, 2]
+        value = mean[2]
         shade = far & (loss < 0) & (loss >= (test.shadow_min - 1.0) * value)
         kept = 1.0 + loss / np.maximum(value, 1.0)
         far &= ~shade | (colour * kept * kept > test.threshold)

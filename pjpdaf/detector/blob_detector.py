@@ -19,7 +19,7 @@ from pjpdaf.detector.background import Background, BackgroundSums, BackgroundTes
 from pjpdaf.detector.chroma import ChromaTest
 from pjpdaf.detector.cloth import cloth_mask
 from pjpdaf.detector.components import Segments
-from pjpdaf.detector.detector import SkinDetector
+from pjpdaf.detector.detector import SkinDetector, skin_of
 from pjpdaf.detector.ellipses import ellipse_axes, moments, undistort_moments
 from pjpdaf.detector.exposure import Exposure
 from pjpdaf.detector.face import (
@@ -248,8 +248,7 @@ class BlobDetector:
         seen = self.base.segment(number, picture, min_area_px, balanced, view.coloured, no_skin)
         scope = Scope(seen.above_px, seen.upto_px, view.place)
         turn = self.alignment.homography(camera) if self.alignment and number == 1 else None
-        mask = np.zeros(seen.size, np.uint8)
-        mask[seen.points[:, 1], seen.points[:, 0]] = 255
+        mask = skin_of(seen)
         shape = silhouette(view.person, mask, camera)
         if turn is not None:
             shape = turned(shape, turn)
@@ -288,8 +287,9 @@ def directions(seen: Segments) -> tuple[Floats, Floats]:
         x, y = columns[at], rows[at]
         low = np.array([x.min(), y.min()])
         # A rim of 1 px all round.
-        inside = np.zeros((int(y.max() - low[1]) + 3, int(x.max() - low[0]) + 3), np.uint8)
-        inside[y - low[1] + 1, x - low[0] + 1] = 1
+        width = int(x.max() - low[0]) + 3
+        inside = np.zeros((int(y.max() - low[1]) + 3, width), np.uint8)
+        inside.reshape(-1)[(y - low[1] + 1) * width + (x - low[0] + 1)] = 1
         depth = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
         deepest = depth.max()
         tops = cv2.moments((depth > 0.9 * deepest).view(np.uint8), binaryImage=True)
@@ -299,8 +299,9 @@ def directions(seen: Segments) -> tuple[Floats, Floats]:
         size = 2 * max(1, round(THIN * float(deepest))) + 1
         disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
         rest = inside - cv2.morphologyEx(inside, cv2.MORPH_OPEN, disc)
-        down, right = np.nonzero(rest)
-        if len(down):
+        left = np.flatnonzero(rest.view(np.bool_))
+        if len(left):
+            down, right = np.divmod(left, width)
             thin = np.array([(right - widest[0]).sum(), (down - widest[1]).sum()])
             thin_parts[i] = thin / len(at) / root
     return palms, thin_parts
@@ -309,6 +310,7 @@ def directions(seen: Segments) -> tuple[Floats, Floats]:
 def _lattice(seen: Segments, camera: Camera) -> tuple[tuple[Floats, ...], float]:
     """Each component's pixels on a lattice, undistorted, and how many pixels one stands for."""
     step = max(1, round(camera.width_px / LATTICE_COLUMNS))
-    on = (seen.points[:, 0] % step == 0) & (seen.points[:, 1] % step == 0)
+    columns, rows = seen.points.T  # numpy divides several times as fast as it takes a remainder
+    on = (columns // step * step == columns) & (rows // step * step == rows)
     points, component = undistort_points(camera, seen.points[on]), seen.component[on]
     return tuple(points[component == i] for i in range(seen.count)), float(step * step)

@@ -90,7 +90,7 @@ def segments(mask: np.ndarray, min_area_px: float, merge_fragments: bool) -> Seg
     # At most every second row and column begins a component; few enough for 16 bits are faster.
     narrow = (width + 1) // 2 * ((height + 1) // 2) < 2**16 - 1
     count, labels = cv2.connectedComponents(box, ltype=cv2.CV_16U if narrow else cv2.CV_32S)
-    at = np.flatnonzero(labels)
+    at = np.flatnonzero(labels > 0)
     label = labels.reshape(-1)[at].astype(np.intp)
     rows, columns = np.divmod(at, width)
     areas = np.bincount(label, minlength=count)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import cv2
 import numpy as np
 
+from pjpdaf.arrays import Ints
 from pjpdaf.camera import Camera
 from pjpdaf.detector.background import (
     Background,
@@ -139,11 +140,10 @@ class SkinDetector:
             same = at[~is_foreground(self._tests[view], hsv, at)]
             if coloured is not None:
                 same = same[_enlarged(coloured, hsv).reshape(-1)[same] < 128]
-            in_range = mask.copy() if coloured is not None else None
             mask.reshape(-1)[same] = 0
-            if in_range is not None:
+            if coloured is not None and len(same):
                 # Holes of a hand on a surface of its own colour.
-                mask |= clean(mask, p.components.open_px, HOLES_PX) & in_range
+                mask.reshape(-1)[same] = _closed_at(mask, same, p.components.open_px)
         cleaned = clean(mask, p.components.open_px, p.components.close_px)
         return segments(cleaned, min_area_px, p.components.merge_fragments)
 
@@ -153,7 +153,7 @@ class SkinDetector:
         p, camera = self.parameters, self.cameras[view]
         seen = self.segment(view, picture, guidance.min_area_px)
         scope = Scope(seen.above_px, seen.upto_px)
-        mask = _mask(seen) if self.keep_masks else None
+        mask = skin_of(seen) if self.keep_masks else None
         if seen.count == 0:
             return dataclasses.replace(Detections.none(), mask=mask), scope
         labels = cluster(seen, p.clusters)
@@ -183,6 +183,15 @@ class SkinDetector:
         return tuple(checked)
 
 
+def _closed_at(mask: np.ndarray, at: Ints, open_px: int) -> np.ndarray:
+    """Pixels (n,) of a mask (h, w), flat indices, opened and its holes of HOLES_PX closed."""
+    rows, columns = np.divmod(at, mask.shape[1])
+    rim = max(open_px, 0) + HOLES_PX  # as far as the elements reach, so that nothing changes here
+    top, left = max(int(rows.min()) - rim, 0), max(int(columns.min()) - rim, 0)
+    window = mask[top : int(rows.max()) + rim + 1, left : int(columns.max()) + rim + 1]
+    return np.asarray(clean(window, open_px, HOLES_PX)[rows - top, columns - left])
+
+
 def _enlarged(mask: np.ndarray, picture: np.ndarray) -> np.ndarray:
     """Enlarge a mask of 0 or 1 to a picture's size: uint8 0..255."""
     size = (picture.shape[1], picture.shape[0])
@@ -204,7 +213,9 @@ def _check(index: int, view: int, camera: Camera, picture: np.ndarray) -> None:
         )
 
 
-def _mask(seen: Segments) -> np.ndarray:
+def skin_of(seen: Segments) -> np.ndarray:
+    """The pixels of all components, uint8 (h, w), 255 inside."""
+    columns, rows = seen.points.T
     mask = np.zeros(seen.size, np.uint8)
-    mask[seen.points[:, 1], seen.points[:, 0]] = 255
+    mask.reshape(-1)[rows * seen.size[1] + columns] = 255
     return mask

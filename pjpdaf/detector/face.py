@@ -14,7 +14,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from pjpdaf.arrays import Bools, Floats
+from pjpdaf.arrays import Bools, Floats, median
 from pjpdaf.detector.chroma import log_chroma
 from pjpdaf.detector.shoulders import rows_of_head
 
@@ -107,7 +107,7 @@ def head_place(
     top = _top_of(foreground, focal_px / USUAL_DEPTH_M, to_shoulders)
     top_px = None
     if top is not None:
-        rows, columns = np.nonzero(top)
+        rows, columns = np.divmod(np.flatnonzero(top), top.shape[1])
         top_px = float(columns.mean()), float(rows.mean())
     if expected is None or (top_px is not None and expected.near(top_px)):
         return HeadPlace(top_px), top
@@ -122,13 +122,14 @@ def face_in(inside: Bools, small: np.ndarray, background_chroma: Floats) -> Face
 
     inside: bool (h, w), where the head shows; background_chroma (2,): of the scene.
     """
-    size = int(inside.sum())
-    colours = small[inside].astype(np.float32)
-    value = colours.max(axis=1)
+    at = np.flatnonzero(inside)
+    colours = small.reshape(-1, 3).take(at, axis=0).astype(np.float32)
+    blue, green, red = colours.T  # numpy reduces an axis of 3 slowly
+    value = np.maximum(np.maximum(blue, green), red)
     colours = colours[value >= DARK * np.percentile(value, 95)]
     chroma = log_chroma(colours)
-    at = ((chroma - LOW) / BIN).astype(np.intp).clip(0, BINS - 1)
-    numbers = np.bincount(at[:, 0] * BINS + at[:, 1], minlength=BINS * BINS)
+    bins = ((chroma - LOW) / BIN).astype(np.intp).clip(0, BINS - 1)
+    numbers = np.bincount(bins[:, 0] * BINS + bins[:, 1], minlength=BINS * BINS)
     counts = cv2.GaussianBlur(numbers.reshape(BINS, BINS).astype(np.float32), (0, 0), 1.0)
     centres = LOW + (np.arange(BINS) + 0.5) * BIN
     for axis in range(2):
@@ -140,13 +141,13 @@ def face_in(inside: Bools, small: np.ndarray, background_chroma: Floats) -> Face
     one, two = np.ascontiguousarray(chroma.T)  # numpy reduces an axis of 2 slowly
     for _ in range(3):
         near = (one - centre[0]) ** 2 + (two - centre[1]) ** 2 < NEAR**2
-        if near.sum() < LEAST_SHARE * size:
+        if near.sum() < LEAST_SHARE * len(at):
             return None
         centre = chroma[near].mean(axis=0)
     off = (centre - background_chroma - REDDER) / REDDER_SD
     if (off * off).sum() > ODDEST**2:
         return None
-    bgr = [float(np.median(channel)) for channel in np.ascontiguousarray(colours[near].T)]
+    bgr = [float(median(channel)) for channel in np.ascontiguousarray(colours[near].T)]
     return Face(np.array(bgr), int(near.sum()))
 
 

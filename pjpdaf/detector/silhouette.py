@@ -34,7 +34,7 @@ def foreground(hsv: np.ndarray, test: BackgroundTest) -> np.ndarray:
     hsv: uint8 (h, w, 3) as of `to_hsv`; test: of the reduced, person-free pictures.
     """
     height, width = hsv.shape[:2]
-    far = is_foreground(test, hsv, np.arange(height * width)).reshape(height, width)
+    far = is_foreground(test, hsv).reshape(height, width)
     return opened(far.astype(np.uint8))
 
 
@@ -51,14 +51,31 @@ def silhouette(person: np.ndarray | None, skin: np.ndarray, camera: Camera) -> S
     """
     step = reduction(skin.shape[1])
     width, height = max(skin.shape[1] // step, 1), max(skin.shape[0] // step, 1)
-    share = cv2.resize(skin, (width, height), interpolation=cv2.INTER_AREA)
     classes = np.zeros((height, width), np.uint8)
     if person is not None:
         classes[person > 0] = CLOTHED
-    classes[share > 127] = SKIN
+    window, share = _shares(skin, step, (width, height))
+    classes[window][share > 127] = SKIN
     if np.any(camera.distortion):
         classes = _undistorted(classes, step, camera)
     return Silhouette(classes, step)
+
+
+def _shares(
+    mask: np.ndarray, step: int, size: tuple[int, int]
+) -> tuple[tuple[slice, slice], np.ndarray]:
+    """Means of a mask reduced to a size (width, height), and the rows and columns that they are of.
+
+    They are 0 elsewhere.
+    """
+    x, y, width, height = cv2.boundingRect(mask)
+    if width == 0 or mask.shape != (size[1] * step, size[0] * step):
+        return (slice(None), slice(None)), cv2.resize(mask, size, interpolation=cv2.INTER_AREA)
+    left, right = x // step, -(-(x + width) // step)
+    top, bottom = y // step, -(-(y + height) // step)
+    block = mask[top * step : bottom * step, left * step : right * step]
+    share = cv2.resize(block, (right - left, bottom - top), interpolation=cv2.INTER_AREA)
+    return (slice(top, bottom), slice(left, right)), share
 
 
 def _undistorted(classes: np.ndarray, step: int, camera: Camera) -> np.ndarray:

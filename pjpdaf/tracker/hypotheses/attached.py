@@ -37,7 +37,7 @@ def attached(seen: tuple[Blobs, ...], head_m: Floats, views: Views) -> list[NDAr
         metre = float(views.focal_px[v] / depth[v]) / shape.step_px
         size = 2 * max(round(0.5 * GAP_M * metre), 1) + 1
         mask = cv2.dilate((shape.classes > 0).astype(np.uint8), np.ones((size, size), np.uint8))
-        _, labels = cv2.connectedComponents(mask, connectivity=8)
+        count, labels = cv2.connectedComponents(mask, connectivity=8)
         at_head = labels[_cells(pixels[v][None], shape.step_px, labels.shape)]
         x, y = (pixels[v] + 0.5) / shape.step_px - 0.5
         reach = max(HEAD_M * metre, 1.0)
@@ -45,12 +45,14 @@ def attached(seen: tuple[Blobs, ...], head_m: Floats, views: Views) -> list[NDAr
             max(int(y - reach), 0) : max(int(y + reach) + 1, 0),
             max(int(x - reach), 0) : max(int(x + reach) + 1, 0),
         ]
-        person = set(near[near > 0].tolist()) | set(at_head[at_head > 0].tolist())
-        if not person:
+        person = np.zeros(count, np.bool_)
+        person[near], person[at_head] = True, True
+        person[0] = False  # the background
+        if not person.any():
             continue
-        of_person = np.isin(labels, list(person))
         for i, of_blob in enumerate(view.looks.pixels):
-            hangs[i] = bool(of_person[_cells(of_blob, shape.step_px, labels.shape)].any())
+            cells = labels[_cells(of_blob, shape.step_px, labels.shape)]
+            hangs[i] = bool(person[cells].any())
     return found
 
 

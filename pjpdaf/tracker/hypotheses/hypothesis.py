@@ -11,7 +11,7 @@ from pjpdaf.tracker.hypotheses.activity import share_of_motion, speed_after, tem
 from pjpdaf.tracker.hypotheses.candidates import HALF, OTHER_HALF
 from pjpdaf.tracker.hypotheses.coasting import coasted, learnt_velocity
 from pjpdaf.tracker.hypotheses.memory import kept_share
-from pjpdaf.tracker.hypotheses.motion import correct, log_likelihood, spread, steps
+from pjpdaf.tracker.hypotheses.motion import log_likelihood, mixed, spread, steps, updated
 from pjpdaf.tracker.hypotheses.pairs import Pairs
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
 
@@ -134,13 +134,14 @@ def grow(
     best = np.argpartition(flat, count - 1)[:count]
     best = best[np.argsort(flat[best], kind="stable")]
     best = best[flat[best] < flat[best[0]] + LARGEST_COST]
+    choices = np.transpose(np.unravel_index(best, total.shape)).tolist()
+    updates = _updates(hypotheses, choices, points, C, dt_s, p)
     grown: list[Hypothesis] = []
     moved: dict[tuple[int, int, int], tuple[Floats, Floats, float, Floats]] = {}
-    for index in best:
-        k, right, left = (int(i) for i in np.unravel_index(index, total.shape))
-        for side, choice in enumerate((right, left)):
-            if (k, side, choice) not in moved:
-                moved[k, side, choice] = _moved(hypotheses[k], side, choice, points, C, dt_s, p)
+    for k, right, left in choices:
+        for way in ((k, 0, right), (k, 1, left)):
+            if way not in moved:
+                moved[way] = _moved(hypotheses[k], way, updates.get(way), len(C), dt_s, p)
         hands = moved[k, 0, right], moved[k, 1, left]
         means = np.array([hand[0] for hand in hands])
         if any(np.abs(g.means - means).max() < SAME_M for g in grown):
@@ -159,7 +160,7 @@ def grow(
         if len(grown) == p.hypotheses:
             break
     least_cost, least_evidence = min(h.cost for h in grown), min(h.evidence for h in grown)
-    _, right, left = (int(i) for i in np.unravel_index(best[0], total.shape))
+    _, right, left = choices[0]
     after = tuple(
         replace(h, cost=h.cost - least_cost, evidence=h.evidence - least_evidence) for h in grown
     )
@@ -213,35 +214,54 @@ def _alone(
     return np.asarray(np.minimum(each, FORBIDDEN))
 
 
-def _moved(
-    h: Hypothesis,
-    side: int,
-    choice: int,
+def _updates(
+    hypotheses: tuple[Hypothesis, ...],
+    choices: list[list[int]],
     points: Floats,
     C: Floats,
     dt_s: float,
     p: HypothesisParameters,
-) -> tuple[Floats, Floats, float, Floats]:
-    """A hand after its choice: mean (3,), covariance (3, 3), time unseen, velocity (3,)."""
+) -> dict[tuple[int, int, int], tuple[Floats, Floats, Floats]]:
+    """What `updated` gives, all at once, of (hypothesis, side, choice) where a place is chosen.
+
+    choices: hypothesis, choice of the right and of the left hand.
+    """
+    ways = {(k, 0, right) for k, right, _ in choices} | {(k, 1, left) for k, _, left in choices}
+    seen = sorted(way for way in ways if way[2] < len(C))
+    if not seen:
+        return {}
+    k, side, choice = np.transpose(seen)
+    means = np.array([h.means for h in hypotheses])[k, side]
+    P = np.array([h.covariances for h in hypotheses])[k, side]
     m = p.motion
-    if choice >= len(C):
+    after = updated(means, P, points[side, choice], C[choice], dt_s, m.weights, m.deviations_m)
+    return dict(zip(seen, zip(*after, strict=True), strict=True))
+
+
+def _moved(
+    h: Hypothesis,
+    way: tuple[int, int, int],
+    update: tuple[Floats, Floats, Floats] | None,
+    places: int,
+    dt_s: float,
+    p: HypothesisParameters,
+) -> tuple[Floats, Floats, float, Floats]:
+    """A hand after its choice: mean (3,), covariance (3, 3), time unseen, velocity (3,).
+
+    way: hypothesis, side and choice, of so many places; update: as of `updated`, None of a hand
+    that is unseen.
+    """
+    m = p.motion
+    _, side, choice = way
+    if update is None:
         P = h.covariances[side] + 0.5 * spread(dt_s, m.weights, m.deviations_m)
-        way, velocity = coasted(h.velocities[side], dt_s, m.coast_s)
+        moved_m, velocity = coasted(h.velocities[side], dt_s, m.coast_s)
         unseen_s = float(h.unseen_s[side] + dt_s)
-        return h.means[side] + way, np.minimum(P, LARGEST_VARIANCE_M2), unseen_s, velocity
-    mean, P = correct(
-        h.means[side],
-        h.covariances[side],
-        points[side, choice],
-        C[choice],
-        dt_s,
-        m.weights,
-        m.deviations_m,
-    )
-    behind = choice == len(C) - 1  # the head: believed to be there, not seen
+        return h.means[side] + moved_m, np.minimum(P, LARGEST_VARIANCE_M2), unseen_s, velocity
+    mean, P = mixed(*update)
+    behind = choice == places - 1  # the head: believed to be there, not seen
     if behind:
         return mean, P, float(h.unseen_s[side] + dt_s), np.zeros(3)
     if h.unseen_s[side] > 0:
         return mean, P, 0.0, np.zeros(3)
-    moved_m = mean - h.means[side]
-    return mean, P, 0.0, learnt_velocity(h.velocities[side], moved_m, dt_s)
+    return mean, P, 0.0, learnt_velocity(h.velocities[side], mean - h.means[side], dt_s)

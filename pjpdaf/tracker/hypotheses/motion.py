@@ -50,14 +50,36 @@ def correct(
 
     Each mode by a Kalman update, then one Gaussian with the moments of their mixture.
     """
+    return mixed(*updated(mean, P, point, C, dt_s, weights, deviations_m))
+
+
+def updated(
+    mean: Floats,
+    P: Floats,
+    point: Floats,
+    C: Floats,
+    dt_s: float,
+    weights: tuple[float, ...],
+    deviations_m: tuple[float, ...],
+) -> tuple[Floats, Floats, Floats]:
+    """Update as `correct` does, any number at once, of (..., 3) and (..., 3, 3), mode by mode.
+
+    Returns the modes' probabilities (..., modes), means (..., modes, 3) and covariances
+    (..., modes, 3, 3).
+    """
     variances = steps(dt_s, deviations_m)
-    prior = P + variances[:, None, None] * EYE  # (modes, 3, 3)
-    log = log_likelihood(point - mean, P + C, weights, variances)
-    weight = np.exp(log - log.max())
-    share = weight / weight.sum()
-    K = prior @ np.linalg.inv(prior + C)
-    means = mean + K @ (point - mean)
-    covariances = (EYE - K) @ prior
+    prior = P[..., None, :, :] + variances[:, None, None] * EYE
+    S = prior + C[..., None, :, :]
+    innovation = point - mean
+    log = log_likelihood(innovation, P + C, weights, variances)
+    weight = np.exp(log - log.max(axis=-1, keepdims=True))
+    K = prior @ np.linalg.inv(S)
+    means = mean[..., None, :] + (K @ innovation[..., None, :, None])[..., 0]
+    return weight / weight.sum(axis=-1, keepdims=True), means, (EYE - K) @ prior
+
+
+def mixed(share: Floats, means: Floats, covariances: Floats) -> tuple[Floats, Floats]:
+    """Mean (3,) and covariance (3, 3) of a mixture of Gaussians, (modes,), (modes, 3), ..."""
     centre = np.einsum("k,ki->i", share, means)
     off = means - centre
     total = np.einsum("k,kij->ij", share, covariances) + np.einsum("k,ki,kj->ij", share, off, off)

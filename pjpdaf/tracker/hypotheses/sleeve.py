@@ -63,15 +63,15 @@ def arm_values(
         ]
     )
     pixels, _ = views.project(corners)
+    worth = np.zeros(3)
+    worth[CLOTHED], worth[BACKGROUND] = 1.0, -p.bare_background
+    worth[SKIN] = 0.0 if bare else -p.covered_skin
     values: list[Floats | None] = []
     for view, shape in enumerate(shapes):
         if shape is None:
             values.append(None)
             continue
-        value = np.zeros(shape.classes.shape)
-        value[shape.classes == CLOTHED] = 1.0
-        value[shape.classes == BACKGROUND] = -p.bare_background
-        value[shape.classes == SKIN] = 0.0 if bare else -p.covered_skin
+        value = worth.take(shape.classes)
         torso = np.zeros(shape.classes.shape, np.uint8)
         polygon = np.rint((pixels[view] + 0.5) / shape.step_px - 0.5).astype(np.int32)
         cv2.fillConvexPoly(torso, cv2.convexHull(polygon), 1)

@@ -25,12 +25,14 @@ def halves(pixels: Floats, together: float) -> tuple[Floats, Floats] | None:
     second = along > 0.0
     x, y = np.ascontiguousarray(pixels.T)  # numpy reduces an axis of 2 slowly
     for _ in range(ROUNDS):
-        a, b = pixels[~second].mean(axis=0), pixels[second].mean(axis=0)
-        now = (x - a[0]) ** 2 + (y - a[1]) ** 2 > (x - b[0]) ** 2 + (y - b[1]) ** 2
+        part = second.astype(np.intp)
+        count = np.bincount(part, minlength=2)
+        (ax, bx), (ay, by) = (np.bincount(part, weights=c, minlength=2) / count for c in (x, y))
+        now = (x - ax) ** 2 + (y - ay) ** 2 > (x - bx) ** 2 + (y - by) ** 2
         if np.array_equal(now, second) or now.all() or not now.any():
             break
         second = now
-    centres = np.array([a, b])
+    centres = np.array([[ax, ay], [bx, by]])
     middle = centres.mean(axis=0)
     share = float(second.mean())
     return middle + together * (centres - middle), np.array([1.0 - share, share])

@@ -73,11 +73,10 @@ def split_together(
         return None
     a, b = left - c, right - other
     along_a, along_b = ACROSS @ a.T, ACROSS @ b.T  # (angles, pixels)
-    at_a, at_b = ((SHARES * len(x)).astype(int) for x in (a, b))
-    cut_a, cut_b = np.sort(along_a, axis=1)[:, at_a], np.sort(along_b, axis=1)[:, at_b]
-    in_a, in_b, beyond = (
+    cut = np.sort(along_a, axis=1)[:, (SHARES * len(a)).astype(int)]
+    in_a, beyond = (
         (along[:, None] > cut[..., None]).reshape(-1, along.shape[1])  # (cuts, pixels or ends)
-        for along, cut in ((along_a, cut_a), (along_b, cut_b), (ACROSS @ (ends - c).T, cut_a))
+        for along in (along_a, ACROSS @ (ends - c).T)
     )
     count = beyond.sum(axis=1)
     possible = (count >= LEAST_ENDS) & (len(d) - count >= LEAST_ENDS)
@@ -92,8 +91,10 @@ def split_together(
     cost += COMPACT_PX * scale * (1.0 - between / (a**2).sum(axis=1).mean())
     k = int(np.where(possible, cost, np.inf).argmin())
     agree = off[k] <= MOST_PX * scale
+    angle, share_of_b = divmod(k, len(SHARES))
+    in_b = along_b[angle] > np.sort(along_b[angle])[int(SHARES[share_of_b] * len(b))]
     parts = [
-        _part(left[in_a[k] == after], right[in_b[k] == after], d[agree & (beyond[k] == after)])
+        _part(left[in_a[k] == after], right[in_b == after], d[agree & (beyond[k] == after)])
         for after in (False, True)
     ]
     centres = np.array([centre for centre, _ in parts])

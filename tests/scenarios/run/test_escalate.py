@@ -10,6 +10,7 @@ from reports.gate.gate import compare
 from reports.gate.pairing import NotComparable
 from reports.run.load import load
 from scenarios.execute.episodes import play_all
+from scenarios.execute.local import local_executor
 from scenarios.play.job import digest_of
 from scenarios.play.plan import PlanRequest, plan
 from scenarios.run.compare import CompareRequest, compare_runs
@@ -45,15 +46,17 @@ def asked(*settings, targets=("cross",), seeds=2, first_seed=100):
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory, executor):
+def runs(tmp_path_factory):
     folder = tmp_path_factory.mktemp("reserve")
     found = []
-    for name, settings in {"base": (), "new": ("tracker.measurement_px2=1e7",)}.items():
-        request = asked(*settings)
-        jobs = plan(request)
-        found.append(
-            save_run(request, jobs, play_all(jobs, executor), folder / name, preset="thesis")
-        )
+    with pytest.MonkeyPatch.context() as patch:  # both trackers are shown the same pictures
+        patch.setenv("PJPDAF_BENCH_CACHE", str(folder / "cache"))
+        with local_executor(1) as executor:
+            for name, settings in {"base": (), "new": ("tracker.measurement_px2=1e7",)}.items():
+                request = asked(*settings)
+                jobs = plan(request)
+                played = play_all(jobs, executor)
+                found.append(save_run(request, jobs, played, folder / name, preset="thesis"))
     return found
 
 

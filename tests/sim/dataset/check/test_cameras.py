@@ -7,10 +7,10 @@ from sim.dataset.verify import verify
 
 
 @pytest.mark.parametrize("folder", ["calib", "calib/error_free"])
-def test_a_wrong_baseline_in_the_calibration_is_named(copy, folder):
-    path = copy / SEQ / folder / "extrinsics.yml"
+def test_a_wrong_baseline_in_the_calibration_is_named(plain_copy, folder):
+    path = plain_copy / SEQ / folder / "extrinsics.yml"
     edit_yml(path, "T", 0, 1e-4)
-    faults = faults_of(copy)
+    faults = faults_of(plain_copy)
     assert files(faults) == [f"{SEQ}/{folder}/extrinsics.yml"]
     assert any(fault.text.startswith("T differs from") for fault in faults)
 
@@ -20,15 +20,15 @@ def test_a_wrong_baseline_in_the_calibration_is_named(copy, folder):
     ("key", "file"),
     [("R", "extrinsics"), ("P2", "extrinsics"), ("Q", "extrinsics"), ("D1", "intrinsics")],
 )
-def test_a_wrong_matrix_of_the_calibration_is_named(copy, key, file):
-    path = copy / SEQ / "calib" / f"{file}.yml"
+def test_a_wrong_matrix_of_the_calibration_is_named(plain_copy, key, file):
+    path = plain_copy / SEQ / "calib" / f"{file}.yml"
     edit_yml(path, key, 1, 1e-3)
-    assert f"{SEQ}/calib/{file}.yml" in files(faults_of(copy))
+    assert f"{SEQ}/calib/{file}.yml" in files(faults_of(plain_copy))
 
 
 @pytest.mark.parametrize("place", ["rig.json", "calib/intrinsics.yml"])
-def test_a_shifted_principal_point_is_named(copy, place):
-    path = copy / SEQ / place
+def test_a_shifted_principal_point_is_named(plain_copy, place):
+    path = plain_copy / SEQ / place
     if place == "rig.json":
 
         def shift(record):
@@ -38,7 +38,7 @@ def test_a_shifted_principal_point_is_named(copy, place):
         edit_json(path, shift)
     else:
         edit_yml(path, "M1", 2, 0.5)
-    assert f"{SEQ}/{place}" in files(faults_of(copy))
+    assert f"{SEQ}/{place}" in files(faults_of(plain_copy))
 
 
 @pytest.mark.parametrize(
@@ -55,7 +55,7 @@ def test_a_shifted_principal_point_is_named(copy, place):
         lambda r: r.pop("skew_s"),
     ],
 )
-def test_a_damaged_rig_is_named_and_nothing_is_raised(copy, change):
-    edit_json(copy / SEQ / "rig.json", change)
-    named = files(verify(copy, sums=False))
+def test_a_damaged_rig_is_named_and_nothing_is_raised(plain_copy, change):
+    edit_json(plain_copy / SEQ / "rig.json", change)
+    named = files(verify(plain_copy, sums=False))
     assert f"{SEQ}/rig.json" in named or f"{SEQ}/truth.parquet" in named

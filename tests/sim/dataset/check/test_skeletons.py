@@ -9,20 +9,22 @@ from sim.dataset.files.tables import SKELETON_SCHEMA
 PATH = f"{SEQ}/skeletons.parquet"
 
 
-def named(copy):
+def named(plain_copy):
     """The faults of a damaged copy, of its own files: COCO's repeat the damage."""
     return [
-        fault for fault in faults_of(copy) if not fault.file.startswith(f"{coco.export.folder}/")
+        fault
+        for fault in faults_of(plain_copy)
+        if not fault.file.startswith(f"{coco.export.folder}/")
     ]
 
 
-def damaged(copy, change, frame=2):
+def damaged(plain_copy, change, frame=2):
     def edit(row):
         if row["frame_index"] == frame:
             change(row)
 
-    edit_rows(copy, edit, "skeletons.parquet", SKELETON_SCHEMA)
-    return named(copy)
+    edit_rows(plain_copy, edit, "skeletons.parquet", SKELETON_SCHEMA)
+    return named(plain_copy)
 
 
 def moved(point, by, axis=0):
@@ -50,18 +52,18 @@ HAND = "right_hand"
         (HAND, lambda r: r.update(skeleton="left_hand"), "in this order"),
     ],
 )
-def test_damage_to_a_skeleton_is_named(copy, skeleton, change, text):
-    faults = damaged(copy, lambda row: change(row) if row["skeleton"] == skeleton else None)
+def test_damage_to_a_skeleton_is_named(plain_copy, skeleton, change, text):
+    faults = damaged(plain_copy, lambda row: change(row) if row["skeleton"] == skeleton else None)
     assert files(faults) == [PATH]
     assert any(text in fault.text for fault in faults)
     assert any("frame 2" in fault.text or "in this order" in fault.text for fault in faults)
 
 
-def test_exchanged_hands_are_named(copy):
+def test_exchanged_hands_are_named(plain_copy):
     """The rows of both hands are exchanged in all frames, their names are right."""
     rows = {}
     edit_rows(
-        copy,
+        plain_copy,
         lambda row: rows.setdefault((row["frame_index"], row["skeleton"]), dict(row)),
         "skeletons.parquet",
         SKELETON_SCHEMA,
@@ -72,10 +74,10 @@ def test_exchanged_hands_are_named(copy):
             other = "left_hand" if row["skeleton"] == "right_hand" else "right_hand"
             row |= {**rows[row["frame_index"], other], "skeleton": row["skeleton"]}
 
-    edit_rows(copy, exchange, "skeletons.parquet", SKELETON_SCHEMA)
-    assert files(named(copy)) == [PATH]
+    edit_rows(plain_copy, exchange, "skeletons.parquet", SKELETON_SCHEMA)
+    assert files(named(plain_copy)) == [PATH]
 
 
-def test_a_missing_table_is_named(copy):
-    (copy / PATH).unlink()
-    assert [str(fault) for fault in named(copy)] == [f"{PATH}: missing"]
+def test_a_missing_table_is_named(plain_copy):
+    (plain_copy / PATH).unlink()
+    assert [str(fault) for fault in named(plain_copy)] == [f"{PATH}: missing"]

@@ -8,14 +8,14 @@ from damaged_dataset import SEQ, edit_rows, faults_of, files
 from sim.dataset.files.tables import OBJECTS_SCHEMA
 
 
-def test_boxes_that_count_from_1_are_named(copy):
+def test_boxes_that_count_from_1_are_named(plain_copy):
     def move(row):
         for axis in "xy":
             for camera in ("left", "right"):
                 row[f"box_{axis}_{camera}_px"] += 1
 
-    edit_rows(copy, move)
-    faults = [fault for fault in faults_of(copy) if fault.file == f"{SEQ}/truth.parquet"]
+    edit_rows(plain_copy, move)
+    faults = [fault for fault in faults_of(plain_copy) if fault.file == f"{SEQ}/truth.parquet"]
     assert any("box of right_hand, left view" in fault.text for fault in faults)
     assert all("in 4 more frames" in fault.text for fault in faults)
 
@@ -38,12 +38,12 @@ def test_boxes_that_count_from_1_are_named(copy):
         ("occluded_by_right", lambda v: [{"instance": "table", "pixels": 900}]),
     ],
 )
-def test_a_damaged_column_is_named(copy, column, change):
+def test_a_damaged_column_is_named(plain_copy, column, change):
     def damage(row):
         row[column] = change(row[column])
 
-    edit_rows(copy, damage)
-    faults = faults_of(copy)
+    edit_rows(plain_copy, damage)
+    faults = faults_of(plain_copy)
     named = files(faults)
     if (
         column == "surface_x_m"
@@ -53,15 +53,15 @@ def test_a_damaged_column_is_named(copy, column, change):
         assert f"{SEQ}/truth.parquet" in named
 
 
-def test_a_table_without_a_column_or_with_nothing_in_it_is_named(copy):
-    path = copy / SEQ / "truth.parquet"
+def test_a_table_without_a_column_or_with_nothing_in_it_is_named(plain_copy):
+    path = plain_copy / SEQ / "truth.parquet"
     table = pq.read_table(path)
     pq.write_table(table.drop_columns(["qx"]), path)
-    assert files(faults_of(copy)) == [f"{SEQ}/truth.parquet"]
+    assert files(faults_of(plain_copy)) == [f"{SEQ}/truth.parquet"]
     pq.write_table(table.slice(0, 3), path)
-    assert files(faults_of(copy)) == [f"{SEQ}/truth.parquet"]
+    assert files(faults_of(plain_copy)) == [f"{SEQ}/truth.parquet"]
     path.write_bytes(b"PAR1")
-    assert files(faults_of(copy)) == [f"{SEQ}/truth.parquet"]
+    assert files(faults_of(plain_copy)) == [f"{SEQ}/truth.parquet"]
 
 
 def test_a_wrong_count_of_an_object_is_named(copies):

@@ -4,15 +4,15 @@ import pytest
 from damaged_dataset import edit_json, faults_of, files
 
 
-def test_coco_boxes_that_count_from_1_are_named(copy):
-    path = copy / "annotations" / "instances_right.json"
+def test_coco_boxes_that_count_from_1_are_named(plain_copy):
+    path = plain_copy / "annotations" / "instances_right.json"
 
     def move(record):
         for one in record["annotations"]:
             one["bbox"][0] += 1
 
     edit_json(path, move)
-    faults = faults_of(copy)
+    faults = faults_of(plain_copy)
     assert files(faults) == ["annotations/instances_right.json"]
     assert all(fault.text.startswith("bbox") for fault in faults)
 
@@ -22,8 +22,8 @@ def test_coco_boxes_that_count_from_1_are_named(copy):
     "kind",
     ["area", "segmentation", "visible_fraction", "num_keypoints", "keypoints", "person", "lost"],
 )
-def test_damaged_coco_annotations_are_named(copy, kind):
-    path = copy / "annotations" / "instances_left.json"
+def test_damaged_coco_annotations_are_named(plain_copy, kind):
+    path = plain_copy / "annotations" / "instances_left.json"
 
     def change(record):
         first, second = record["annotations"][:2]
@@ -40,4 +40,4 @@ def test_damaged_coco_annotations_are_named(copy, kind):
             first[kind] += 1
 
     edit_json(path, change)
-    assert files(faults_of(copy)) == ["annotations/instances_left.json"]
+    assert files(faults_of(plain_copy)) == ["annotations/instances_left.json"]

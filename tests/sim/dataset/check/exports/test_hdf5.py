@@ -14,10 +14,10 @@ FILE = f"hdf5/{SEQ}.h5"
 
 
 @pytest.fixture(scope="module")
-def exported(single, tmp_path_factory):
-    """`single` with HDF5; read only."""
+def exported(plain, tmp_path_factory):
+    """`plain` with HDF5; read only."""
     folder = tmp_path_factory.mktemp("hdf5") / "set"
-    shutil.copytree(single, folder)
+    shutil.copytree(plain, folder)
     export(open_dataset(folder), folder)
     return folder
 
