@@ -67,7 +67,6 @@ TRACKER = (
     Part("halves cut in both views at once", {"halve_together": "false"}, HALVES),
     Part("outlines of pieces beside the head", {"contours": "false"}, BESIDE),
     Part("moments of the two views", {"learn_skew": "false"}),
-    Part("little depth where moments differ", {"skew_depth": "1"}),
     Part("hands cut by the edge", {"cut_hands": "false"}),
     Part("what one view hides", {"hidden_share": "0"}),
     Part("ends of bare arms", ENDS),

@@ -1,6 +1,6 @@
 """What an episode costs on footage in the cache, against rendering it. Ratios within one run.
 
-Run with `pytest tests/bench -m long --benchmark-enable`.
+Run with `pytest tests/bench --benchmark-enable`.
 """
 
 import time
@@ -16,7 +16,6 @@ from scenarios.play.job import Job, System
 from scenarios.play.play import play_complete
 from scenarios.spec.names import load_scenario
 
-pytestmark = pytest.mark.long
 JOB = Job(load_scenario("cross"), 100, {"frames": 12}, System(), keep_film=True)
 OTHER_TRACKER = replace(JOB, system=System(tracker_settings={"miss": "8"}))
 
@@ -68,6 +67,7 @@ def test_an_episode(benchmark, cache, way):
     benchmark.pedantic(way, args=(cache,), rounds=3)
 
 
+@pytest.mark.long
 def test_replays_are_cheaper_by_far(cache):
     """CPU time, which other processes do not change much; the bounds are half of what is usual."""
 

@@ -60,7 +60,7 @@ class Sightings:
     own (n,) cost of each pair by itself; joint (n + 2, n + 2) of two together; odds (n,) that it is
     the right hand [log]; face_m (f, 3) places before the face and,
     the last, behind the head; face_cost (f,). aside_m (2, n, 3): from pairs to the palm of right
-    and left. motion (3, 3): shape of the hands' displacements, None: the same along each axis.
+    and left.
     """
 
     pairs: Pairs
@@ -70,7 +70,6 @@ class Sightings:
     face_m: Floats
     face_cost: Floats
     aside_m: Floats
-    motion: Floats | None = None
 
 
 def nearest_choices(seen: Sightings, hands_m: Floats, held_m: Floats) -> tuple[int, int]:
@@ -136,7 +135,7 @@ def grow(
     best = best[np.argsort(flat[best], kind="stable")]
     best = best[flat[best] < flat[best[0]] + LARGEST_COST]
     choices = np.transpose(np.unravel_index(best, total.shape)).tolist()
-    updates = _updates(hypotheses, choices, points, C, dt_s, p, seen.motion)
+    updates = _updates(hypotheses, choices, points, C, dt_s, p)
     grown: list[Hypothesis] = []
     moved: dict[tuple[int, int, int], tuple[Floats, Floats, float, Floats]] = {}
     for k, right, left in choices:
@@ -222,7 +221,6 @@ def _updates(
     C: Floats,
     dt_s: float,
     p: HypothesisParameters,
-    shape: Floats | None,
 ) -> dict[tuple[int, int, int], tuple[Floats, Floats, Floats]]:
     """What `updated` gives, all at once, of (hypothesis, side, choice) where a place is chosen.
 
@@ -236,9 +234,7 @@ def _updates(
     means = np.array([h.means for h in hypotheses])[k, side]
     P = np.array([h.covariances for h in hypotheses])[k, side]
     m = p.motion
-    after = updated(
-        means, P, points[side, choice], C[choice], dt_s, m.weights, m.deviations_m, shape
-    )
+    after = updated(means, P, points[side, choice], C[choice], dt_s, m.weights, m.deviations_m)
     return dict(zip(seen, zip(*after, strict=True), strict=True))
 
 

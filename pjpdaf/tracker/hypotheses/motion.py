@@ -45,14 +45,12 @@ def correct(
     dt_s: float,
     weights: tuple[float, ...],
     deviations_m: tuple[float, ...],
-    shape: Floats | None = None,
 ) -> tuple[Floats, Floats]:
     """Predict and update a mean (3,) and covariance P (3, 3) with a sighting (3,), C (3, 3).
 
-    Each mode by a Kalman update, then one Gaussian with the moments of their mixture. shape (3, 3):
-    covariance of a displacement for a variance of 1, None: the same along each axis.
+    Each mode by a Kalman update, then one Gaussian with the moments of their mixture.
     """
-    return mixed(*updated(mean, P, point, C, dt_s, weights, deviations_m, shape))
+    return mixed(*updated(mean, P, point, C, dt_s, weights, deviations_m))
 
 
 def updated(
@@ -63,7 +61,6 @@ def updated(
     dt_s: float,
     weights: tuple[float, ...],
     deviations_m: tuple[float, ...],
-    shape: Floats | None = None,
 ) -> tuple[Floats, Floats, Floats]:
     """Update as `correct` does, any number at once, of (..., 3) and (..., 3, 3), mode by mode.
 
@@ -71,13 +68,10 @@ def updated(
     (..., modes, 3, 3).
     """
     variances = steps(dt_s, deviations_m)
-    prior = P[..., None, :, :] + variances[:, None, None] * (EYE if shape is None else shape)
+    prior = P[..., None, :, :] + variances[:, None, None] * EYE
     S = prior + C[..., None, :, :]
     innovation = point - mean
-    if shape is None:
-        log = log_likelihood(innovation, P + C, weights, variances)
-    else:
-        log = _log_density(innovation, S, weights)
+    log = log_likelihood(innovation, P + C, weights, variances)
     weight = np.exp(log - log.max(axis=-1, keepdims=True))
     K = prior @ np.linalg.inv(S)
     means = mean[..., None, :] + (K @ innovation[..., None, :, None])[..., 0]
@@ -90,15 +84,3 @@ def mixed(share: Floats, means: Floats, covariances: Floats) -> tuple[Floats, Fl
     off = means - centre
     total = np.einsum("k,kij->ij", share, covariances) + np.einsum("k,ki,kj->ij", share, off, off)
     return centre, np.asarray(0.5 * (total + total.T))
-
-
-def shallow(axes: Floats, depth: float) -> Floats:
-    """Shape (3, 3) of displacements that are smaller along the last of the axes, by `depth`."""
-    return np.asarray(axes.T @ np.diag([1.0, 1.0, depth**2]) @ axes)
-
-
-def _log_density(innovation: Floats, S: Floats, weights: tuple[float, ...]) -> Floats:
-    """Log-density (..., modes) of innovations (..., 3) for S (..., modes, 3, 3), weighted."""
-    solved = np.linalg.solve(S, innovation[..., None, :, None])[..., 0]
-    d2 = (innovation[..., None, :] @ solved.swapaxes(-1, -2))[..., 0, :]
-    return np.asarray(np.log(weights) - 0.5 * (d2 + np.linalg.slogdet(S)[1]))

@@ -98,8 +98,6 @@ class NoiseParameters:
     hidden_share: NotNegative = 0.35
     # A difference between the moments of the two views is learnt and taken out.
     learn_skew: bool = True
-    # With such a difference, share of the deviations of movement that counts in depth, 1 = all [1].
-    skew_depth: AboveZero = 1.0
     # Of a hand somewhere at the face, per axis [m].
     face_m: AboveZero = 0.06
     # Places before the face, from its middle: sideways and up or down [m]; 0 = its middle alone.

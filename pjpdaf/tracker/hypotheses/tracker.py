@@ -39,7 +39,7 @@ from pjpdaf.tracker.hypotheses.identity import either, halves_doubt, hidden_doub
 from pjpdaf.tracker.hypotheses.lag import Past, look_back
 from pjpdaf.tracker.hypotheses.memory import kept_share
 from pjpdaf.tracker.hypotheses.missing_hand import hand_missing
-from pjpdaf.tracker.hypotheses.motion import shallow, spread
+from pjpdaf.tracker.hypotheses.motion import spread
 from pjpdaf.tracker.hypotheses.opening import open_tracks
 from pjpdaf.tracker.hypotheses.pairs import Pairs, pair_candidates
 from pjpdaf.tracker.hypotheses.parameters import HypothesisParameters
@@ -209,7 +209,6 @@ class HypothesisTracker:
             face_m,
             face_cost,
             outward(pairs.part, seen, self.views.axes, p.offsets),
-            self._motion(state),
         )
         only = None
         if known_m is not None:
@@ -234,15 +233,6 @@ class HypothesisTracker:
             hanging,
         )
         return after, estimates
-
-    def _motion(self, state: HypothesisState) -> Floats | None:
-        """Shape (3, 3) of the hands' displacements: where the views' moments differ, a hand seems
-        to move in depth when it only moves across, so that less of it is believed.
-        """
-        depth = self.parameters.noise.skew_depth
-        if depth == 1.0 or state.skew is None or state.skew.seconds == 0.0:
-            return None
-        return shallow(self.views.axes, depth)
 
     def _learnt_skew(
         self,

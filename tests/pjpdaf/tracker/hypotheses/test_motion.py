@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-from pjpdaf.tracker.hypotheses.motion import correct, log_likelihood, shallow, steps
+from pjpdaf.tracker.hypotheses.motion import correct, log_likelihood, steps
 from pjpdaf.tracker.hypotheses.parameters import FRAME_S
 
 P = np.diag([1e-4, 2e-4, 3e-4])
 C = np.diag([4e-6, 4e-6, 4e-4])
-MODES = (0.3, 0.45, 0.25), (0.012, 0.08, 0.32)
 
 
 def test_one_mode_is_a_kalman_update():
@@ -44,21 +42,3 @@ def test_resting_hand_is_smoothed_and_a_fast_hand_followed():
 def test_displacement_grows_with_the_time_at_any_frame_rate():
     np.testing.assert_allclose(steps(FRAME_S, (0.08,)), 0.08**2)
     np.testing.assert_allclose(steps(FRAME_S / 10, (0.08,)), 0.008**2)
-
-
-@pytest.mark.parametrize("point", [(0.02, 0.0, 0.0), (0.1, -0.2, 0.05)])
-def test_shape_of_equal_axes_changes_nothing(point):
-    plain = correct(np.zeros(3), P, np.array(point), C, FRAME_S, *MODES)
-    shaped = correct(np.zeros(3), P, np.array(point), C, FRAME_S, *MODES, np.eye(3))
-    for one, other in zip(plain, shaped, strict=True):
-        np.testing.assert_allclose(one, other, atol=1e-12)
-
-
-@pytest.mark.parametrize("across", [(0.0, 0.15, 0.0), (0.0, 0.0, 0.15)])
-def test_a_shallow_motion_follows_across_and_hardly_in_depth(across):
-    axes = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
-    before, seen, doubt = 1e-4 * np.eye(3), np.add(across, (0.15, 0.0, 0.0)), 0.01 * np.eye(3)
-    plain, _ = correct(np.zeros(3), before, seen, doubt, FRAME_S, *MODES)
-    flat, _ = correct(np.zeros(3), before, seen, doubt, FRAME_S, *MODES, shallow(axes, 0.2))
-    assert flat[0] < 0.4 * plain[0]
-    assert flat @ across > 0.7 * plain @ across

@@ -7,12 +7,13 @@ import pytest
 
 from pjpdaf.camera import project
 from pjpdaf.interfaces import Detections
+from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.parameters import (
     HypothesisParameters,
     NoiseParameters,
     OffsetParameters,
 )
-from pjpdaf.tracker.hypotheses.skew import Skew
+from pjpdaf.tracker.hypotheses.skew import GRID_S, Skew, Skewed, shifts
 from pjpdaf.tracker.hypotheses.tracker import HypothesisState, HypothesisTracker
 from tests.strategies import START_W, detections, rig
 
@@ -78,3 +79,21 @@ def test_few_noisy_sightings_make_no_skew():
 def test_skew_is_bounded():
     speeds = np.full(50, 200.0)
     assert Skew(1.0).after(0.12 * speeds, speeds, DT_S).seconds == 0.1
+
+
+def test_a_hand_that_turned_is_put_back_by_what_it_shows_across_the_lines():
+    views, before = Views.of(CAMERAS), places(0.0)[1:2]
+    known = Skew(1.0, -0.5 * ((GRID_S - 0.05) / 0.004) ** 2)
+    assert known.seconds == pytest.approx(0.05)
+    assert known.spread_s == pytest.approx(0.004, rel=0.05)
+    # It rose by 60 mm since the frame before and sinks at this moment.
+    now = np.add(before, (0.0, 0.0, 0.06))
+    left, right = views.project(now)[0][0], views.project(np.subtract(now, (0.0, 0.0, 0.02)))[0][1]
+    skewed, whole = Skewed(known, before, 1 / 3), np.array([True])
+    r_px = shifts(views, left, right, before, 1 / 3).r_px
+    moved, sd_px = skewed.undone(views, left, right, whole)
+    assert abs(shifts(views, left, moved, before, 1 / 3).r_px) < 0.2 * abs(r_px)
+    assert 1.0 < sd_px[0] < 5.0  # along the lines nothing showed its speed
+    untouched, none_px = skewed.undone(views, left, right, ~whole)
+    np.testing.assert_array_equal(untouched, right)
+    assert none_px[0] == 0.0
