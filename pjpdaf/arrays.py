@@ -41,3 +41,15 @@ def median(values: NDArray[np.floating]) -> np.floating:
     parted = np.partition(values, half, axis=None)
     middle: np.floating = parted[half]
     return middle if values.size % 2 else (parted[:half].max() + middle) / 2
+
+
+def quantile(values: NDArray[np.floating], share: float) -> np.floating:
+    """Quantile of finite numbers (n,), n > 0, interpolated: the bits of `np.quantile`, faster."""
+    last = len(values) - 1
+    at = last * share
+    low = int(at)
+    parted = np.partition(values, [low, min(low + 1, last)])
+    below, above = parted[low], parted[min(low + 1, last)]
+    way, step = at - low, above - below
+    result: np.floating = below + step * way if way < 0.5 else above - step * (1.0 - way)
+    return result

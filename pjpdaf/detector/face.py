@@ -14,7 +14,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from pjpdaf.arrays import Bools, Floats, median
+from pjpdaf.arrays import Bools, Floats, median, quantile
 from pjpdaf.detector.chroma import log_chroma
 from pjpdaf.detector.shoulders import rows_of_head
 
@@ -126,7 +126,7 @@ def face_in(inside: Bools, small: np.ndarray, background_chroma: Floats) -> Face
     colours = small.reshape(-1, 3).take(at, axis=0).astype(np.float32)
     blue, green, red = colours.T  # numpy reduces an axis of 3 slowly
     value = np.maximum(np.maximum(blue, green), red)
-    colours = colours[value >= DARK * np.percentile(value, 95)]
+    colours = colours[value >= DARK * quantile(value, 0.95)]
     chroma = log_chroma(colours)
     bins = ((chroma - LOW) / BIN).astype(np.intp).clip(0, BINS - 1)
     numbers = np.bincount(bins[:, 0] * BINS + bins[:, 1], minlength=BINS * BINS)

@@ -78,14 +78,15 @@ def split_together(
         (along[:, None] > cut[..., None]).reshape(-1, along.shape[1])  # (cuts, pixels or ends)
         for along in (along_a, ACROSS @ (ends - c).T)
     )
-    count = beyond.sum(axis=1)
+    count = np.count_nonzero(beyond, axis=1)
     possible = (count >= LEAST_ENDS) & (len(d) - count >= LEAST_ENDS)
     if not possible.any():
         return None
     medians = np.where(beyond, _medians(d, beyond)[:, None], _medians(d, ~beyond)[:, None])
     off = np.abs(d - medians)
-    share = in_a.mean(axis=1)
-    first = in_a @ a / np.maximum(in_a.sum(axis=1), 1)[:, None]  # the other part is opposite
+    inside = np.count_nonzero(in_a, axis=1)
+    share = inside / len(a)
+    first = in_a @ a / np.maximum(inside, 1)[:, None]  # the other part is opposite
     between = (first**2).sum(axis=1) * share / np.maximum(1.0 - share, 1e-9)
     cost = np.minimum(off, MOST_PX * scale).mean(axis=1)
     cost += COMPACT_PX * scale * (1.0 - between / (a**2).sum(axis=1).mean())

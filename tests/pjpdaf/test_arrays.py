@@ -1,0 +1,25 @@
+"""Median and quantile: the same bits as numpy's."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pjpdaf.arrays import median, quantile
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("count", [1, 2, 3, 8, 437, 1000])
+def test_median_and_quantile_have_the_bits_of_numpys(count, dtype):
+    for seed in range(20):
+        values = np.random.default_rng(seed).uniform(-3, 255, count).astype(dtype)
+        assert median(values) == np.median(values)
+        assert median(values).dtype == dtype
+        for share in (0.05, 0.5, 0.95):
+            levels = np.rint(values)
+            assert quantile(levels, share) == np.percentile(levels, 100 * share)
+
+
+def test_median_of_a_picture_of_several_rows():
+    rows = np.random.default_rng(1).normal(size=(9, 14)).astype(np.float32)[::3, ::3]
+    assert median(rows) == np.median(rows)
