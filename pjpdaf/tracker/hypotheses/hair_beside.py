@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pjpdaf.arrays import Floats
+from pjpdaf.arrays import Floats, Ints
 from pjpdaf.looks import SKIN
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.geometry import Views
@@ -32,24 +32,24 @@ def hair_beside(mean: Floats, seen: tuple[Blobs, ...], views: Views) -> float | 
         if not (0 <= column < width and rows[0] >= 0 and rows[-1] < height):
             continue
         most = int(MOST_M * metre)
-        view = [_beside(line, int(column), most) for line in shape.classes[rows]]
-        known = [pixels_beside for pixels_beside in view if pixels_beside is not None]
-        if known:
-            widths.append(float(np.mean(known)) / metre)
+        lines = shape.classes[rows]
+        lines = lines[lines[:, column] == SKIN]
+        if len(lines):
+            widths.append(float(_beside(lines, int(column), most).mean()) / metre)
     return float(np.mean(widths)) if widths else None
 
 
-def _beside(classes: NDArray[np.uint8], column: int, most: int) -> int | None:
-    """Pixels of the person beside the run of skin that holds a column, at most so many a side."""
-    if classes[column] != SKIN:
-        return None
-    total = 0
-    for side in (classes[column::-1], classes[column:]):
-        rest = side[_run(side == SKIN) :]
-        total += min(_run(rest > 0), most)
+def _beside(lines: NDArray[np.uint8], column: int, most: int) -> Ints:
+    """Pixels (k,) of the person beside the run of skin round a column, at most so many a side.
+
+    lines (k, w): classes of rows of a silhouette.
+    """
+    total = np.zeros(len(lines), np.intp)
+    for side in (lines[:, column::-1], lines[:, column:]):
+        total += np.minimum(_run(side > 0) - _run(side == SKIN), most)
     return total
 
 
-def _run(true: NDArray[np.bool_]) -> int:
-    """Length of the run of true values that an array begins with."""
-    return int(true.argmin()) if not true.all() else len(true)
+def _run(true: NDArray[np.bool_]) -> Ints:
+    """Length (k,) of the run of true values that each row (k, w) begins with."""
+    return np.asarray(np.where(true.all(axis=1), true.shape[1], true.argmin(axis=1)))
