@@ -20,6 +20,7 @@ from pjpdaf.detector.chroma import ChromaTest
 from pjpdaf.detector.cloth import cloth_mask
 from pjpdaf.detector.components import Segments
 from pjpdaf.detector.detector import SkinDetector, skin_of
+from pjpdaf.detector.discs import opened_by
 from pjpdaf.detector.ellipses import ellipse_axes, moments, undistort_moments
 from pjpdaf.detector.exposure import Exposure
 from pjpdaf.detector.face import (
@@ -298,7 +299,7 @@ def directions(seen: Segments) -> tuple[Floats, Floats]:
         palms[i] = (np.array([x.sum(), y.sum()]) / len(at) - (widest - 1 + low)) / root
         size = 2 * max(1, round(THIN * float(deepest))) + 1
         disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
-        rest = inside - cv2.morphologyEx(inside, cv2.MORPH_OPEN, disc)
+        rest = inside - opened_by(disc, inside)
         left = np.flatnonzero(rest.view(np.bool_))
         if len(left):
             down, right = np.divmod(left, width)

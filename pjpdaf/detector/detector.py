@@ -137,9 +137,9 @@ class SkinDetector:
             mask[_enlarged(no_skin, hsv) > 127] = 0
         if self._tests:
             at = np.flatnonzero(mask.view(np.bool_))
+            if coloured is not None:  # the cheaper test leaves few pixels to the other
+                at = at[_enlarged(coloured, hsv).reshape(-1).take(at) < 128]
             same = at[~is_foreground(self._tests[view], hsv, at)]
-            if coloured is not None:
-                same = same[_enlarged(coloured, hsv).reshape(-1)[same] < 128]
             mask.reshape(-1)[same] = 0
             if coloured is not None and len(same):
                 # Holes of a hand on a surface of its own colour.
