@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -33,6 +34,13 @@ def readonly(
         raise ValueError(f"{name} must have shape {wanted}, got {array.shape}")
     array.flags.writeable = False
     return array
+
+
+def mean_point(points: Floats) -> Floats:
+    """Mean (2,) of at least one point (n, 2): the bits of `points.mean(axis=0)`, several times as
+    fast, as numpy is slow along rows of 2.
+    """
+    return np.asarray(cv2.reduce(points, 0, cv2.REDUCE_SUM)[0] / len(points))
 
 
 def median(values: NDArray[np.floating]) -> np.floating:

@@ -11,7 +11,7 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
-from pjpdaf.arrays import Floats
+from pjpdaf.arrays import Floats, mean_point
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.candidates import HALF, OTHER_HALF, WHOLE
 from pjpdaf.tracker.hypotheses.geometry import Views
@@ -78,7 +78,7 @@ def half_fingers(
             continue
         grid[row, column] = of
         thick = cv2.morphologyEx(grid, cv2.MORPH_OPEN, disc)[row, column] > 0
-        middle = pixels[thick if thick.any() else of].mean(axis=0)
+        middle = mean_point(pixels[thick if thick.any() else of])
         fingers[half] = (pixels[of & ~thick] - middle).sum(axis=0) * step_px**2 / hand_px**1.5
     return fingers
 

@@ -11,7 +11,7 @@ from pjpdaf.looks import BlobLooks
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.head import HeadTrack
-from pjpdaf.tracker.hypotheses.split import settle
+from pjpdaf.tracker.hypotheses.split import settle, squared_distance
 
 WHOLE_RATIO = 0.8  # of the remembered area: a blob that is larger needs no other piece
 LARGEST_RATIO = 1.15  # of all pieces together: a hand before the head makes them larger
@@ -37,8 +37,9 @@ def _pieces(view: Blobs, expected: Floats, shape: Floats, area: float) -> list[i
     inverse = np.linalg.inv(shape)
 
     def inside(i: int, centre: Floats, scale: float) -> float:
-        off = view.looks.pixels[i] - centre
-        return float((((off @ inverse) * off).sum(axis=1) <= scale * scale).mean())
+        pixels = view.looks.pixels[i]
+        near = squared_distance(pixels, centre, inverse) <= scale * scale
+        return np.count_nonzero(near) / len(pixels)
 
     near = [
         i

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from pjpdaf.arrays import Floats
+from pjpdaf.arrays import Floats, mean_point
 
 ROUNDS = 6  # of 2-means; it has long converged
+LEAST = 8  # pixels of a blob that is halved, or of an ellipse's
 
 
 def halves(pixels: Floats, together: float) -> tuple[Floats, Floats] | None:
@@ -16,18 +18,16 @@ def halves(pixels: Floats, together: float) -> tuple[Floats, Floats] | None:
     2-means from the ends of the major axis; then both are drawn towards their middle, `together` of
     their distance remains. None for fewer than 8 pixels.
     """
-    if len(pixels) < 8:
+    if len(pixels) < LEAST:
         return None
-    centre = pixels.mean(axis=0)
+    centre = mean_point(pixels)
     offset = pixels - centre
     axis = np.linalg.eigh(offset.T @ offset)[1][:, 1]
     along = offset @ axis
     second = along > 0.0
-    x, y = np.ascontiguousarray(pixels.T)  # numpy reduces an axis of 2 slowly
+    x, y = columns = np.ascontiguousarray(pixels.T)  # numpy reduces an axis of 2 slowly
     for _ in range(ROUNDS):
-        part = second.astype(np.intp)
-        count = np.bincount(part, minlength=2)
-        (ax, bx), (ay, by) = (np.bincount(part, weights=c, minlength=2) / count for c in (x, y))
+        (ax, bx), (ay, by) = means_of_parts(columns, second)
         now = (x - ax) ** 2 + (y - ay) ** 2 > (x - bx) ** 2 + (y - by) ** 2
         if np.array_equal(now, second) or now.all() or not now.any():
             break
@@ -38,10 +38,23 @@ def halves(pixels: Floats, together: float) -> tuple[Floats, Floats] | None:
     return middle + together * (centres - middle), np.array([1.0 - share, share])
 
 
+def means_of_parts(columns: Floats, second: NDArray[np.bool_]) -> Floats:
+    """Means (2, 2) of rows (2, n): of the values that are not in the second part, of those in it."""
+    part = second.astype(np.intp)
+    count = np.bincount(part, minlength=2)
+    return np.array([np.bincount(part, weights=c, minlength=2) / count for c in columns])
+
+
+def squared_distance(pixels: Floats, centre: Floats, inverse: Floats) -> Floats:
+    """Squares (n,) of the Mahalanobis distances of pixels (n, 2), by an inverse covariance."""
+    offset = pixels - centre
+    product = (offset @ inverse) * offset
+    return np.asarray(product[:, 0] + product[:, 1])  # numpy reduces an axis of 2 slowly
+
+
 def outside(pixels: Floats, centre: Floats, shape: Floats, scale: float) -> Floats:
     """The pixels (n, 2) outside an ellipse: d^T shape^-1 d > 4 scale^2."""
-    offset = pixels - centre
-    d2 = ((offset @ np.linalg.inv(shape)) * offset).sum(axis=1)
+    d2 = squared_distance(pixels, centre, np.linalg.inv(shape))
     return np.asarray(pixels[d2 > 4.0 * scale * scale])
 
 
@@ -68,12 +81,11 @@ def settle(pixels: Floats, start: Floats, shape: Floats) -> tuple[Floats, float]
     centre = np.array(start)
     inside = np.zeros(len(pixels), bool)
     for _ in range(5):
-        offset = pixels - centre
-        inside = ((offset @ inverse) * offset).sum(axis=1) <= 4.0
-        if inside.sum() < 8:
+        inside = squared_distance(pixels, centre, inverse) <= 4.0
+        if np.count_nonzero(inside) < LEAST:
             break
-        moved = pixels[inside].mean(axis=0)
+        moved = mean_point(pixels[inside])
         if np.abs(moved - centre).max() < 0.3:
             break
         centre = moved
-    return centre, float(inside.sum())
+    return centre, float(np.count_nonzero(inside))

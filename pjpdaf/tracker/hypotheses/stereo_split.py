@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pjpdaf.arrays import Floats
+from pjpdaf.arrays import Floats, mean_point
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.candidates import (
     HALF,
@@ -24,6 +24,7 @@ from pjpdaf.tracker.hypotheses.candidates import (
 from pjpdaf.tracker.hypotheses.contour import ends_of_rows, row_shift
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.parameters import CandidateParameters
+from pjpdaf.tracker.hypotheses.split import means_of_parts
 
 ANGLES = np.arange(12) * (np.pi / 12)
 ACROSS = np.column_stack([np.cos(ANGLES), np.sin(ANGLES)])  # normals of the cuts
@@ -67,7 +68,7 @@ def split_together(
     where too few rows are common.
     """
     right = right - np.array([0.0, down_px])
-    c, other = left.mean(axis=0), right.mean(axis=0)
+    c, other = mean_point(left), mean_point(right)
     ends, d = _disparities(left, right, step, float(c[0] - other[0]), FAR_PX * scale)
     if len(d) < 2 * LEAST_ENDS:
         return None
@@ -94,20 +95,15 @@ def split_together(
     agree = off[k] <= MOST_PX * scale
     angle, share_of_b = divmod(k, len(SHARES))
     in_b = along_b[angle] > np.sort(along_b[angle])[int(SHARES[share_of_b] * len(b))]
-    parts = [
-        _part(left[in_a[k] == after], right[in_b == after], d[agree & (beyond[k] == after)])
-        for after in (False, True)
-    ]
-    centres = np.array([centre for centre, _ in parts])
-    shifted = centres - np.array([[disparity, -down_px] for _, disparity in parts])
+    between_px = [d[agree & (beyond[k] == after)].mean() for after in (False, True)]
+    way = np.array([[disparity, 0.0] for disparity in between_px])
+    one, two = (
+        means_of_parts(np.ascontiguousarray(pixels.T), second).T
+        for pixels, second in ((left, in_a[k]), (right, in_b))
+    )
+    centres = 0.5 * (one + (two + way))
+    shifted = centres - np.array([[disparity, -down_px] for disparity in between_px])
     return StereoSplit(centres, shifted, np.array([1.0 - share[k], share[k]]))
-
-
-def _part(left: Floats, right: Floats, disparities: Floats) -> tuple[Floats, float]:
-    """A part's centre (2,) in the left view, the mean of both views', and its disparity."""
-    disparity = float(disparities.mean())
-    two = right.mean(axis=0) + np.array([disparity, 0.0])
-    return 0.5 * (left.mean(axis=0) + two), disparity
 
 
 def _disparities(
