@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +12,7 @@ from pjpdaf.arrays import Floats, Ints
 from pjpdaf.tracker.hypotheses.bare_arm import end_at, ends_and_middles
 from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.parameters import CandidateParameters
-from pjpdaf.tracker.hypotheses.split import halves, outside, pieces
+from pjpdaf.tracker.hypotheses.split import LEAST, halves, outside, pieces
 
 WHOLE, HALF, OTHER_HALF, BESIDE, END, OTHER_END = range(6)  # parts of a blob
 LONGEST_FINGERS = 0.4  # of the square root of the area
@@ -29,6 +29,8 @@ class Candidates:
     from the centre to the middle of the palm, 0 for parts; pixels (k, 2) of pieces beside the
     head, whose outline is their own, else None; mate (c,): the only candidate of the other view
     that can be the same, -1 for any; between_px (c,): deviation of such a centre between the views.
+    uncut: the first of two halves that are still to be cut, whose centres and areas are NaN, and
+    the share of their distance that is the hands'.
     """
 
     centres_px: Floats
@@ -39,6 +41,7 @@ class Candidates:
     pixels: tuple[Floats | None, ...]
     mate: Ints
     between_px: Floats
+    uncut: Mapping[int, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,12 +59,15 @@ class HeadPlace:
 
 
 class Candidate(NamedTuple):
-    """One candidate: centre (2,) [px], area [px], part, pixels (k, 2) of a piece."""
+    """One candidate: centre (2,) [px], area [px], part, pixels (k, 2) of a piece; together: of the
+    first of two halves that are still to be cut, the share of their distance that is the hands'.
+    """
 
     centre_px: Floats
     area_px: float
     part: int
     pixels: Floats | None = None
+    together: float | None = None
 
 
 def candidates(
@@ -71,12 +77,13 @@ def candidates(
     hand_area_m2: float,
     bare: bool,
     p: CandidateParameters,
+    cut: bool = True,
 ) -> Candidates:
     """All candidates of a view; the blob of the head offers only what is beside the head.
 
     metre_px: pixels of a metre where hands are; hand_area_m2: of a whole hand. bare: the person's
     forearms are bare, so that the hand is an end of a long blob. head: None before the start, when
-    each blob counts as it is too.
+    each blob counts as it is too. cut: halve blobs now; `halve_together` does what is left.
     """
     hand_px = hand_area_m2 * metre_px**2
     chosen: list[Candidate] = []
@@ -85,7 +92,7 @@ def candidates(
         if head is not None and i == head.blob:
             here = [] if head.free else list(_beside(view, head, metre_px, hand_px, bare, p))
         else:
-            here = list(_of_blob(view, i, metre_px, hand_px, bare, head is None, p))
+            here = list(_of_blob(view, i, metre_px, hand_px, bare, head is None, cut, p))
         chosen += here
         blob += [i] * len(here)
     part = np.array([c.part for c in chosen], np.intp)
@@ -104,6 +111,7 @@ def candidates(
         tuple(c.pixels for c in chosen),
         np.full(len(chosen), -1),
         np.zeros(len(chosen)),
+        {k: c.together for k, c in enumerate(chosen) if c.together is not None},
     )
 
 
@@ -114,6 +122,7 @@ def _of_blob(
     hand_px: float,
     bare: bool,
     always: bool,
+    cut: bool,
     p: CandidateParameters,
 ) -> Iterator[Candidate]:
     pixels, area = view.looks.pixels[i], float(view.areas_px[i])
@@ -131,8 +140,12 @@ def _of_blob(
         if hands is not None and p.middles:
             for k in range(2):
                 yield Candidate(hands[k].mean(axis=0), size, HALF + k, hands[k])
-        else:
+        elif cut or len(pixels) < LEAST:
             yield from _halves(pixels, area, hand_px, p)
+        else:
+            unknown = np.full(2, np.nan)
+            yield Candidate(unknown, np.nan, HALF, None, drawn_together(area, hand_px, p))
+            yield Candidate(unknown, np.nan, OTHER_HALF)
 
 
 def _halves(

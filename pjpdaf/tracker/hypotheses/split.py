@@ -39,7 +39,7 @@ def halves(pixels: Floats, together: float) -> tuple[Floats, Floats] | None:
 
 
 def means_of_parts(columns: Floats, second: NDArray[np.bool_]) -> Floats:
-    """Means (2, 2) of rows (2, n): of the values that are not in the second part, of those in it."""
+    """Means (2, 2) of rows (2, n), of the values that are not in the second part, and of others."""
     part = second.astype(np.intp)
     count = np.bincount(part, minlength=2)
     return np.array([np.bincount(part, weights=c, minlength=2) / count for c in columns])

@@ -24,7 +24,7 @@ from pjpdaf.tracker.hypotheses.candidates import (
 from pjpdaf.tracker.hypotheses.contour import ends_of_rows, row_shift
 from pjpdaf.tracker.hypotheses.geometry import Views
 from pjpdaf.tracker.hypotheses.parameters import CandidateParameters
-from pjpdaf.tracker.hypotheses.split import means_of_parts
+from pjpdaf.tracker.hypotheses.split import halves, means_of_parts
 
 ANGLES = np.arange(12) * (np.pi / 12)
 ACROSS = np.column_stack([np.cos(ANGLES), np.sin(ANGLES)])  # normals of the cuts
@@ -137,18 +137,20 @@ def halve_together(
     hand_px: tuple[float, float],
     p: CandidateParameters,
 ) -> tuple[Candidates, Candidates]:
-    """The candidates, the halves of blobs that both views show cut together, and each other's mate.
+    """The candidates, the halves of blobs that both views show cut together, and each other's mate;
+    the halves of others that are uncut are cut alone.
 
     hand_px: area of a whole hand in each view.
     """
     halved = [_halved(c) for c in candidates]
-    if not halved[0] or not halved[1]:
+    both = bool(halved[0] and halved[1])
+    if not both and not any(c.uncut for c in candidates):
         return candidates
     centres = [c.centres_px.copy() for c in candidates]
     areas = [c.areas_px.copy() for c in candidates]
     mates = [c.mate.copy() for c in candidates]
     betweens = [c.between_px.copy() for c in candidates]
-    for blobs in _same(views, seen, list(halved[0]), list(halved[1])):
+    for blobs in _same(views, seen, list(halved[0]), list(halved[1])) if both else ():
         left, right = (view.looks.pixels[blob] for view, blob in zip(seen, blobs, strict=True))
         down = row_shift(views, seen[0].centres_px[blobs[0]])
         step = seen[0].looks.pixel_area_px ** 0.5
@@ -169,8 +171,22 @@ def halve_together(
             areas[v][here] = split.shares * of_blob[v]
             betweens[v][here] = between
             mates[v][here] = at[1 - v] + np.arange(2)
+    for v, c in enumerate(candidates):
+        for first, share in c.uncut.items():
+            blob = int(c.blob[first])
+            if mates[v][first] < 0 and (alone := halves(seen[v].looks.pixels[blob], share)):
+                here = slice(first, first + 2)
+                centres[v][here] = alone[0]
+                areas[v][here] = float(seen[v].areas_px[blob]) * alone[1]
     one, two = (
-        replace(c, centres_px=centres[v], areas_px=areas[v], mate=mates[v], between_px=betweens[v])
+        replace(
+            c,
+            centres_px=centres[v],
+            areas_px=areas[v],
+            mate=mates[v],
+            between_px=betweens[v],
+            uncut={},
+        )
         for v, c in enumerate(candidates)
     )
     return one, two

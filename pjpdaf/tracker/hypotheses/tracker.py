@@ -307,11 +307,20 @@ class HypothesisTracker:
         metre_px = self.views.focal_px / np.maximum(depth - HANDS_BEFORE_HEAD_M, 0.3)
         # A head that is out of sight still hides no blob: -1 is no blob's number.
         nowhere = HeadPlace(-1, True, np.zeros(2), np.eye(2))
+        together = p.candidates.halve_together
         one, two = (
-            candidates(view, place or nowhere, float(metre_px[v]), area_m2, bare, p.candidates)
+            candidates(
+                view,
+                place or nowhere,
+                float(metre_px[v]),
+                area_m2,
+                bare,
+                p.candidates,
+                cut=not together,
+            )
             for v, (view, place) in enumerate(zip(seen, places, strict=True))
         )
-        if p.candidates.halve_together:
+        if together:
             hand_px = area_m2 * metre_px**2
             at = float(hand_px[0]), float(hand_px[1])
             one, two = halve_together(self.views, seen, (one, two), at, p.candidates)
