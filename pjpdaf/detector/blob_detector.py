@@ -19,7 +19,7 @@ from pjpdaf.detector.background import Background, BackgroundSums, BackgroundTes
 from pjpdaf.detector.chroma import ChromaTest
 from pjpdaf.detector.cloth import cloth_mask
 from pjpdaf.detector.components import Segments
-from pjpdaf.detector.detector import SkinDetector, skin_of
+from pjpdaf.detector.detector import SkinDetector, numbered, skin_of
 from pjpdaf.detector.discs import opened_by
 from pjpdaf.detector.ellipses import ellipse_axes, moments, undistort_moments
 from pjpdaf.detector.exposure import Exposure
@@ -283,26 +283,28 @@ def directions(seen: Segments) -> tuple[Floats, Floats]:
     palms, thin_parts = np.zeros((seen.count, 2)), np.zeros((seen.count, 2))
     # Columns of their own: numpy reduces an axis of 2 slowly.
     columns, rows = np.ascontiguousarray(seen.points.T)
+    numbers = numbered(seen)
     for i in range(seen.count):
         at = np.flatnonzero(seen.component == i)
         x, y = columns[at], rows[at]
-        low = np.array([x.min(), y.min()])
+        low = left, top = int(x.min()), int(y.min())
+        window = numbers[top : int(y.max()) + 1, left : int(x.max()) + 1] == i + 1
         # A rim of 1 px all round.
-        width = int(x.max() - low[0]) + 3
-        inside = np.zeros((int(y.max() - low[1]) + 3, width), np.uint8)
-        inside.reshape(-1)[(y - low[1] + 1) * width + (x - low[0] + 1)] = 1
+        width = window.shape[1] + 2
+        inside = np.zeros((len(window) + 2, width), np.uint8)
+        inside[1:-1, 1:-1] = window
         depth = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
         deepest = depth.max()
         tops = cv2.moments((depth > 0.9 * deepest).view(np.uint8), binaryImage=True)
         widest = np.array([tops["m10"], tops["m01"]]) / tops["m00"]
         root = len(at) ** 0.5
-        palms[i] = (np.array([x.sum(), y.sum()]) / len(at) - (widest - 1 + low)) / root
+        palms[i] = (np.array([x.sum(), y.sum()]) / len(at) - (widest - 1 + np.array(low))) / root
         size = 2 * max(1, round(THIN * float(deepest))) + 1
         disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
         rest = inside - opened_by(disc, inside)
-        left = np.flatnonzero(rest.view(np.bool_))
-        if len(left):
-            down, right = np.divmod(left, width)
+        thin_at = np.flatnonzero(rest.view(np.bool_))
+        if len(thin_at):
+            down, right = np.divmod(thin_at, width)
             thin = np.array([(right - widest[0]).sum(), (down - widest[1]).sum()])
             thin_parts[i] = thin / len(at) / root
     return palms, thin_parts

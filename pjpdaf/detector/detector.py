@@ -213,6 +213,14 @@ def _check(index: int, view: int, camera: Camera, picture: np.ndarray) -> None:
         )
 
 
+def numbered(seen: Segments) -> np.ndarray:
+    """Numbers of the components from 1 on, int32 (h, w), 0 outside."""
+    columns, rows = seen.points.T
+    numbers = np.zeros(seen.size, np.int32)
+    numbers.reshape(-1)[rows * seen.size[1] + columns] = seen.component + 1
+    return numbers
+
+
 def skin_of(seen: Segments) -> np.ndarray:
     """The pixels of all components, uint8 (h, w), 255 inside."""
     columns, rows = seen.points.T

@@ -15,7 +15,8 @@ def opened_by(disc: np.ndarray, mask: np.ndarray) -> np.ndarray:
     width = mask.shape[1]
     middle = len(disc) // 2
     # From the outermost row of the disc: how far down it is, and its reach to either side.
-    rows = [(middle - i, int(disc[i].sum()) // 2) for i in range(middle + 1)]
+    sides = (disc[: middle + 1].sum(axis=1) // 2).tolist()
+    rows = list(zip(range(middle, -1, -1), sides, strict=True))
     packed = np.packbits(mask)
     run, reach = int.from_bytes(packed.tobytes(), "big"), 0
     kept = -1  # all bits

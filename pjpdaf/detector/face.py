@@ -14,7 +14,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from pjpdaf.arrays import Bools, Floats, median, quantile
+from pjpdaf.arrays import Bools, Floats, mean_point, median, quantile
 from pjpdaf.detector.chroma import log_chroma
 from pjpdaf.detector.shoulders import rows_of_head
 
@@ -141,21 +141,23 @@ def face_in(inside: Bools, small: np.ndarray, background_chroma: Floats) -> Face
     one, two = np.ascontiguousarray(chroma.T)  # numpy reduces an axis of 2 slowly
     for _ in range(3):
         near = (one - centre[0]) ** 2 + (two - centre[1]) ** 2 < NEAR**2
-        if near.sum() < LEAST_SHARE * len(at):
+        if np.count_nonzero(near) < LEAST_SHARE * len(at):
             return None
-        centre = chroma[near].mean(axis=0)
+        centre = mean_point(chroma[near])
     off = (centre - background_chroma - REDDER) / REDDER_SD
     if (off * off).sum() > ODDEST**2:
         return None
     bgr = [float(median(channel)) for channel in np.ascontiguousarray(colours[near].T)]
-    return Face(np.array(bgr), int(near.sum()))
+    return Face(np.array(bgr), int(np.count_nonzero(near)))
 
 
 def _top_of(foreground: np.ndarray, metre_px: float, to_shoulders: bool) -> Bools | None:
     """Foreground below the top of the largest component, bool (h, w)."""
     size = 2 * round(JOIN_M * metre_px) + 1
     near = cv2.dilate(foreground, np.ones((size, size), np.uint8))
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(near, connectivity=8)
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(
+        near, connectivity=8, ltype=cv2.CV_16U
+    )
     if count < 2:
         return None
     largest = 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())
@@ -165,7 +167,8 @@ def _top_of(foreground: np.ndarray, metre_px: float, to_shoulders: bool) -> Bool
         return None
     top, height = int(rows[0]), max(int(HEAD_M * metre_px), 4)
     columns = np.flatnonzero(person[top : top + height // 3 + 1].any(axis=0))
-    middle, half = float(np.median(columns)), HALF_HEAD_M * metre_px
+    between = columns[(len(columns) - 1) // 2], columns[len(columns) // 2]  # they are in order
+    middle, half = float(between[0] + between[1]) / 2, HALF_HEAD_M * metre_px
     if to_shoulders:
         height = rows_of_head(person, top, height, middle, metre_px)
     box: Bools = np.zeros(person.shape, np.bool_)

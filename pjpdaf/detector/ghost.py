@@ -72,25 +72,29 @@ class GhostTest:
 
     def __call__(self, small: SmallPicture) -> np.ndarray | None:
         """Find the ghosts of a reduced picture (h, w): uint8 (h, w), 0 or 1, or None."""
-        now = [np.maximum(log, DARKEST) for log in small.logs]
         # A change of light since the background was learnt.
         change = [
-            float(median(log[::EVERY, ::EVERY] - own[::EVERY, ::EVERY]))
-            for log, own in zip(now, self.own, strict=True)
+            float(
+                median(np.maximum(log[::EVERY, ::EVERY], DARKEST) - own[::EVERY, ::EVERY]),
+            )
+            for log, own in zip(small.logs, self.own, strict=True)
         ]
-        sure, ghost = (np.zeros(now[0].shape, np.uint8) for _ in range(2))
+        sure, ghost = (np.zeros(small.logs[0].shape, np.uint8) for _ in range(2))
+        lefts = []
         for at, around, off in self.windows:
             left = np.maximum.reduce(
                 [
-                    np.abs(log.take(at) - d - wide)
-                    for log, d, wide in zip(now, change, around, strict=True)
+                    np.abs(np.maximum(log.take(at), DARKEST) - d - wide)
+                    for log, d, wide in zip(small.logs, change, around, strict=True)
                 ]
             )
-            sure.reshape(-1)[at] |= (left < LIKE[0]) & (left < LIKE[1] * off)
-            ghost.reshape(-1)[at] |= (left < RATHER_LIKE[0]) & (left < RATHER_LIKE[1] * off)
+            lefts.append(left)
+            sure.reshape(-1)[at[(left < LIKE[0]) & (left < LIKE[1] * off)]] = 1
         sure = cv2.morphologyEx(sure, cv2.MORPH_OPEN, RIM)
         if not sure.any():
             return None
+        for (at, _, off), left in zip(self.windows, lefts, strict=True):
+            ghost.reshape(-1)[at[(left < RATHER_LIKE[0]) & (left < RATHER_LIKE[1] * off)]] = 1
         count, labels = cv2.connectedComponents(ghost, connectivity=4)
         kept = np.zeros(count, np.uint8)
         kept[labels[sure > 0]] = 1

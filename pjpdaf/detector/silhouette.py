@@ -24,6 +24,12 @@ def reduced(picture: np.ndarray) -> np.ndarray:
     height, width = picture.shape[:2]
     step = reduction(width)
     size = (max(width // step, 1), max(height // step, 1))
+    if step == 4 and (4 * size[0], 4 * size[1]) == (width, height):
+        # The same bits, faster: halved twice, exactly, in 16 bits, and rounded at the end.
+        sixteenths = np.multiply(picture, np.uint16(16), dtype=np.uint16)
+        half = cv2.resize(sixteenths, (width // 2, height // 2), interpolation=cv2.INTER_AREA)
+        means = cv2.resize(half, size, interpolation=cv2.INTER_AREA)
+        return np.asarray(cv2.convertScaleAbs(means, alpha=1 / 16))
     small: np.ndarray = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
     return small
 

@@ -165,7 +165,8 @@ def _halves(
 
 def drawn_together(area_px: float, hand_px: float, p: CandidateParameters) -> float:
     """Share of two halves' distance that is the hands': the less, the more of them is hidden."""
-    return float(np.clip(APART - p.draw_together * hidden_share(area_px, hand_px), *KEPT))
+    share = APART - p.draw_together * hidden_share(area_px, hand_px)
+    return min(max(share, KEPT[0]), KEPT[1])
 
 
 def hidden_share(area_px: float, hand_px: float) -> float:

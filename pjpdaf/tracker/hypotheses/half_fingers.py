@@ -33,7 +33,7 @@ def fingers_of_halves(
     pixels, depth = views.project(pairs.points_m)
     for v, view in enumerate(seen):
         blob, part = pairs.blob[:, v], pairs.part[:, v]
-        for b in np.unique(blob[part == WHOLE]):
+        for b in sorted(set(blob[part == WHOLE].tolist())):
             halves = [np.flatnonzero((blob == b) & (part == k)) for k in (HALF, OTHER_HALF)]
             if not all(len(of) for of in halves):
                 continue

@@ -63,7 +63,7 @@ def arm_values(
         ]
     )
     pixels, _ = views.project(corners)
-    worth = np.zeros(3)
+    worth = np.zeros(256)  # of each class; `cv2.LUT` wants all that 8 bits can be
     worth[CLOTHED], worth[BACKGROUND] = 1.0, -p.bare_background
     worth[SKIN] = 0.0 if bare else -p.covered_skin
     values: list[Floats | None] = []
@@ -71,7 +71,7 @@ def arm_values(
         if shape is None:
             values.append(None)
             continue
-        value = worth.take(shape.classes)
+        value = cv2.LUT(shape.classes, worth)
         torso = np.zeros(shape.classes.shape, np.uint8)
         polygon = np.rint((pixels[view] + 0.5) / shape.step_px - 0.5).astype(np.int32)
         cv2.fillConvexPoly(torso, cv2.convexHull(polygon), 1)
@@ -100,7 +100,8 @@ def arms(hands_m: Floats, body: Body, p: SleeveParameters) -> tuple[Floats, Floa
     down = body.axes[1]
     u = down - (n @ down)[..., None] * n
     u /= np.maximum(np.linalg.norm(u, axis=2), 1e-6)[..., None]
-    w = np.cross(n, u)
+    after, before = [1, 2, 0], [2, 0, 1]
+    w = n[..., after] * u[..., before] - n[..., before] * u[..., after]  # `np.cross` is slow
     cosine, sine = _swivels(p.swivels)
     offset = radius[..., None, None] * (
         cosine[:, None] * u[:, :, None] + sine[:, None] * w[:, :, None]
@@ -166,15 +167,18 @@ def _covered(
 ) -> Floats:
     """Mean value over a band between two pixels (..., 2): (...)."""
     way = end - start
-    length = np.maximum(np.hypot(way[..., 0], way[..., 1]), 1e-6)
-    across_x, across_y = -way[..., 1] / length * half, way[..., 0] / length * half
-    t = stations[:, None]
-    x = start[..., 0, None, None] + way[..., 0, None, None] * t + across_x[..., None, None] * ACROSS
-    y = start[..., 1, None, None] + way[..., 1, None, None] * t + across_y[..., None, None] * ACROSS
+    way_x, way_y = way[..., 0], way[..., 1]
+    length = np.maximum(np.hypot(way_x, way_y), 1e-6)
+    across_x, across_y = -way_y / length * half, way_x / length * half
+    # Stations and places across come first: numpy is slow where the last axis is short.
+    t, s = (a.reshape(-1, *[1] * half.ndim) for a in (stations, ACROSS))
+    x = (start[..., 0] + way_x * t)[:, None] + across_x * s
+    y = (start[..., 1] + way_y * t)[:, None] + across_y * s
     height, width = value.shape
     inverse = 1.0 / step
     column = ((x + 0.5) * inverse).astype(np.int32)
     row = ((y + 0.5) * inverse).astype(np.int32)
-    inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
-    at = np.where(inside, row * width + column, 0)
-    return np.asarray((value.ravel().take(at) * inside).mean(axis=(-1, -2)))
+    # What is below 0 is a large number without a sign.
+    inside = (column.view(np.uint32) < width) & (row.view(np.uint32) < height)
+    seen = value.reshape(-1).take((row * width + column) * inside) * inside
+    return np.asarray(seen.mean(axis=(0, 1)))

@@ -83,14 +83,16 @@ def split_together(
     possible = (count >= LEAST_ENDS) & (len(d) - count >= LEAST_ENDS)
     if not possible.any():
         return None
-    medians = np.where(beyond, _medians(d, beyond)[:, None], _medians(d, ~beyond)[:, None])
+    after, before = _medians(d, beyond)
+    medians = np.where(beyond, after[:, None], before[:, None])
     off = np.abs(d - medians)
     inside = np.count_nonzero(in_a, axis=1)
     share = inside / len(a)
     first = in_a @ a / np.maximum(inside, 1)[:, None]  # the other part is opposite
     between = (first**2).sum(axis=1) * share / np.maximum(1.0 - share, 1e-9)
     cost = np.minimum(off, MOST_PX * scale).mean(axis=1)
-    cost += COMPACT_PX * scale * (1.0 - between / (a**2).sum(axis=1).mean())
+    x, y = np.ascontiguousarray(a.T)
+    cost += COMPACT_PX * scale * (1.0 - between / (x * x + y * y).mean())
     k = int(np.where(possible, cost, np.inf).argmin())
     agree = off[k] <= MOST_PX * scale
     angle, share_of_b = divmod(k, len(SHARES))
@@ -122,12 +124,16 @@ def _disparities(
     return np.column_stack([x[near], y[near]]), d[near]
 
 
-def _medians(values: Floats, chosen: NDArray[np.bool_]) -> Floats:
-    """Lower medians (c,) of the values (n,) that are chosen (c, n)."""
+def _medians(values: Floats, chosen: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    """Lower medians (c,) of the values (n,) that are chosen (c, n), and of those that are not."""
     order = np.argsort(values, kind="stable")
     counted = np.cumsum(chosen[:, order], axis=1)
-    half = np.maximum((counted[:, -1:] + 1) // 2, 1)
-    return np.asarray(values[order][(counted >= half).argmax(axis=1)])
+    others = np.arange(1, len(values) + 1) - counted
+    one, two = (
+        values[order][(c >= np.maximum((c[:, -1:] + 1) // 2, 1)).argmax(axis=1)]
+        for c in (counted, others)
+    )
+    return one, two
 
 
 def halve_together(
@@ -158,14 +164,13 @@ def halve_together(
         if split is None:
             continue
         of_blob = [float(view.areas_px[blob]) for view, blob in zip(seen, blobs, strict=True)]
-        together = float(
-            np.mean([drawn_together(a, h, p) for a, h in zip(of_blob, hand_px, strict=True)])
-        )
-        hidden = float(np.mean([hidden_share(a, h) for a, h in zip(of_blob, hand_px, strict=True)]))
+        of_views = list(zip(of_blob, hand_px, strict=True))
+        together = sum(drawn_together(area, hand, p) for area, hand in of_views) / 2
+        hidden = sum(hidden_share(area, hand) for area, hand in of_views) / 2
         between = split.between_px(hidden, views.scale)
         at = [halved[v][blobs[v]] for v in range(2)]
+        middle = mean_point(split.left_px) * (1 - together)
         for v, parts in enumerate((split.left_px, split.right_px)):
-            middle = split.left_px.mean(axis=0) * (1 - together)
             here = slice(at[v], at[v] + 2)
             centres[v][here] = parts + middle - (1 - together) * split.left_px
             areas[v][here] = split.shares * of_blob[v]
