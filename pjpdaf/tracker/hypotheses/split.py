@@ -45,7 +45,7 @@ def means_of_parts(columns: Floats, second: NDArray[np.bool_]) -> Floats:
     return np.array([np.bincount(part, weights=c, minlength=2) / count for c in columns])
 
 
-def squared_distance(pixels: Floats, centre: Floats, inverse: Floats) -> Floats:
+def squared_distance(pixels: Floats, centre: Floats, inverse: NDArray[np.floating]) -> Floats:
     """Squares (n,) of the Mahalanobis distances of pixels (n, 2), by an inverse covariance."""
     offset = pixels - centre
     product = (offset @ inverse) * offset

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from pjpdaf.interfaces import Detections
+from pjpdaf.tracker.hypotheses.blobs import Blobs
 from pjpdaf.tracker.hypotheses.candidates import HALF, OTHER_HALF, Candidates, candidates
 from pjpdaf.tracker.hypotheses.contour import row_shift
 from pjpdaf.tracker.hypotheses.pairs import Pairs, pair_candidates
@@ -95,6 +97,31 @@ def halves_of(hands_m: np.ndarray) -> tuple[Pairs, tuple[Candidates, Candidates]
     pairs = pair_candidates(VIEWS, (one, two), hands_m, NoiseParameters(), CostParameters(), seen)
     half = ((pairs.part == HALF) | (pairs.part == OTHER_HALF)).all(axis=1)
     return pairs[half], (one, two)
+
+
+@pytest.mark.parametrize("views", [2, 1])
+def test_halves_that_are_left_for_later_are_the_same(views):
+    """Of a blob that both views show, and of one that is no blob in the other view."""
+    seen = merged(np.array([FRONT_M, FRONT_M + np.array(SECOND_M)]))
+    if views == 1:
+        seen = seen[0], Blobs.of(Detections.none())
+    metre_px, area_m2 = VIEWS.focal_px / 1.0, np.pi * HAND_M**2
+    hand_px = float(area_m2 * metre_px[0] ** 2), float(area_m2 * metre_px[1] ** 2)
+    found = []
+    for cut in (True, False):
+        one, two = (
+            candidates(view, None, float(metre_px[v]), area_m2, False, P, cut=cut)
+            for v, view in enumerate(seen)
+        )
+        assert bool(one.uncut) != cut
+        found.append(halve_together(VIEWS, seen, (one, two), hand_px, P))
+    assert (found[0][0].mate >= 0).any() == (views == 2)
+    for now, later in zip(*found, strict=True):
+        assert not later.uncut
+        np.testing.assert_array_equal(now.part, later.part)
+        np.testing.assert_array_equal(now.centres_px, later.centres_px)
+        np.testing.assert_array_equal(now.areas_px, later.areas_px)
+        np.testing.assert_array_equal(now.mate, later.mate)
 
 
 def test_halves_pair_with_their_mates_alone():
