@@ -259,7 +259,8 @@ class BlobDetector:
             return dataclasses.replace(Detections.none(), looks=nothing), scope
         fit = undistort_moments(camera, moments(seen.points, seen.component, seen.count))
         covariances = np.broadcast_to(p.centre_sd_px**2 * np.eye(2), (len(fit), 2, 2))
-        pixels, each = _lattice(seen, camera)
+        numbers = numbered(seen)
+        pixels, each = _lattice(numbers, seen.count, camera)
         if turn is not None:
             fit = dataclasses.replace(fit, centres=moved(fit.centres, turn))
             pixels = tuple(moved(points, turn) for points in pixels)
@@ -269,21 +270,20 @@ class BlobDetector:
             ellipse_axes(fit),
             fit.areas,
             mask=mask if self.base.keep_masks else None,
-            looks=BlobLooks(pixels, each, *directions(seen), shape),
+            looks=BlobLooks(pixels, each, *directions(seen, numbers), shape),
         )
         return found, scope
 
 
-def directions(seen: Segments) -> tuple[Floats, Floats]:
+def directions(seen: Segments, numbers: np.ndarray) -> tuple[Floats, Floats]:
     """Vectors of each component (count, 2), over sqrt(area): `BlobLooks.palms` and `fingers`.
 
     The palm is the middle of where the component is widest: the tops of its distance transform.
-    Thin is what an opening by a disc of THIN of that width takes away.
+    Thin is what an opening by a disc of THIN of that width takes away. numbers: as of `numbered`.
     """
     palms, thin_parts = np.zeros((seen.count, 2)), np.zeros((seen.count, 2))
     # Columns of their own: numpy reduces an axis of 2 slowly.
     columns, rows = np.ascontiguousarray(seen.points.T)
-    numbers = numbered(seen)
     for i in range(seen.count):
         at = np.flatnonzero(seen.component == i)
         x, y = columns[at], rows[at]
@@ -310,10 +310,15 @@ def directions(seen: Segments) -> tuple[Floats, Floats]:
     return palms, thin_parts
 
 
-def _lattice(seen: Segments, camera: Camera) -> tuple[tuple[Floats, ...], float]:
-    """Each component's pixels on a lattice, undistorted, and how many pixels one stands for."""
+def _lattice(numbers: np.ndarray, count: int, camera: Camera) -> tuple[tuple[Floats, ...], float]:
+    """Each component's pixels on a lattice, undistorted, and how many pixels one stands for.
+
+    numbers: as of `numbered`, of `count` components.
+    """
     step = max(1, round(camera.width_px / LATTICE_COLUMNS))
-    columns, rows = seen.points.T  # numpy divides several times as fast as it takes a remainder
-    on = (columns // step * step == columns) & (rows // step * step == rows)
-    points, component = undistort_points(camera, seen.points[on]), seen.component[on]
-    return tuple(points[component == i] for i in range(seen.count)), float(step * step)
+    on = np.ascontiguousarray(numbers[::step, ::step])
+    at = np.flatnonzero(on > 0)
+    rows, columns = np.divmod(at, on.shape[1])
+    points = undistort_points(camera, step * np.column_stack([columns, rows]))
+    number = on.reshape(-1).take(at)
+    return tuple(points[number == i + 1] for i in range(count)), float(step * step)

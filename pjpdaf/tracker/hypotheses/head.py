@@ -141,9 +141,11 @@ def _place(
         ratio = float(blobs.areas_px[i]) / area
         if PARTLY_RATIO <= ratio <= MERGED_RATIO:
             distance = float(np.linalg.norm(blobs.centres_px[i] - expected))
+            if not distance < reach_px:
+                continue
             cost = (distance / (0.35 * reach_px)) ** 2 + abs(math.log(ratio))
             cost += _elongation_cost(blobs.ellipses[i], shape)
-            if distance < reach_px and cost < least:
+            if cost < least:
                 best, least = HeadPlace(i, True, blobs.centres_px[i], shape), cost
         elif ratio > 0.25:
             centre, inside = settle(blobs.looks.pixels[i], expected, shape)

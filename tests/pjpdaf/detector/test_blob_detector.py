@@ -10,6 +10,7 @@ from pjpdaf.camera import Camera
 from pjpdaf.detector.adaptation import AdaptationParameters, BlobDetectorParameters
 from pjpdaf.detector.blob_detector import BlobDetector, directions
 from pjpdaf.detector.components import segments
+from pjpdaf.detector.detector import numbered
 from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.detector.silhouette import reduced, reduction
 from pjpdaf.errors import BenchError
@@ -90,7 +91,8 @@ def hand(wrist: bool) -> np.ndarray:
 
 @pytest.mark.parametrize("wrist", [False, True])
 def test_centroid_is_off_the_palm_towards_fingers_or_wrist(wrist):
-    (palm,), (finger,) = directions(segments(hand(wrist), 100.0, merge_fragments=False))
+    seen = segments(hand(wrist), 100.0, merge_fragments=False)
+    (palm,), (finger,) = directions(seen, numbered(seen))
     assert palm[0] > 0.12
     assert abs(palm[1]) < 0.05
     if wrist:
