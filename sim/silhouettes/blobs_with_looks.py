@@ -15,6 +15,7 @@ from pjpdaf.detector.adaptation import AdaptationParameters
 from pjpdaf.detector.alignment import LEAST_DEG, moved
 from pjpdaf.detector.blob_detector import directions
 from pjpdaf.detector.components import Segments, min_area_px, segments
+from pjpdaf.detector.detector import numbered
 from pjpdaf.detector.ellipses import Moments, moments
 from pjpdaf.detector.parameters import DetectorParameters
 from pjpdaf.detector.silhouette import reduction, turned
@@ -105,7 +106,7 @@ class BlobsWithLooks:
             covariances,
             quick_axes(fit),
             fit.areas,
-            looks=BlobLooks(pixels, each, *directions(seen), shape),
+            looks=BlobLooks(pixels, each, *directions(seen, numbered(seen)), shape),
         )
 
 
