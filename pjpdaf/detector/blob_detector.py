@@ -295,8 +295,8 @@ def directions(seen: Segments, numbers: np.ndarray) -> tuple[Floats, Floats]:
         inside[1:-1, 1:-1] = window
         depth = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
         deepest = depth.max()
-        tops = cv2.moments((depth > 0.9 * deepest).view(np.uint8), binaryImage=True)
-        widest = np.array([tops["m10"], tops["m01"]]) / tops["m00"]
+        tops = np.divmod(np.flatnonzero(depth > 0.9 * deepest), width)
+        widest = np.array([tops[1].sum(), tops[0].sum()]) / len(tops[0])
         root = len(at) ** 0.5
         palms[i] = (np.array([x.sum(), y.sum()]) / len(at) - (widest - 1 + np.array(low))) / root
         size = 2 * max(1, round(THIN * float(deepest))) + 1

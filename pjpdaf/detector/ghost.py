@@ -49,12 +49,12 @@ class Surroundings(NamedTuple):
 class GhostTest:
     """Test of a reduced picture for ghosts.
 
-    own float32 (3, h, w): logarithms of the background's BGR; windows: what is around its things,
-    for windows of several sizes.
+    own float32 (3, h, w): logarithms of the background's BGR; things: with what is around them, for
+    windows of several sizes one after the other.
     """
 
     own: np.ndarray
-    windows: tuple[Surroundings, ...]
+    things: Surroundings
 
     @staticmethod
     def of(background: Background) -> GhostTest:
@@ -62,12 +62,13 @@ class GhostTest:
         bgr = background.bgr
         own = _log_levels(bgr)
         levels = np.rint(bgr).astype(np.uint8)
+        windows = [
+            Surroundings.of(own, _log_levels(cv2.medianBlur(levels, side)), side)
+            for side in AROUND_PX
+        ]
         return GhostTest(
             readonly(own, (3, None, None), "own", np.float32),
-            tuple(
-                Surroundings.of(own, _log_levels(cv2.medianBlur(levels, side)), side)
-                for side in AROUND_PX
-            ),
+            Surroundings(*(np.concatenate(parts, axis=-1) for parts in zip(*windows, strict=True))),
         )
 
     def __call__(self, small: SmallPicture) -> np.ndarray | None:
@@ -79,22 +80,19 @@ class GhostTest:
             )
             for log, own in zip(small.logs, self.own, strict=True)
         ]
+        at, around, off = self.things
+        left = np.maximum.reduce(
+            [
+                np.abs(np.maximum(log.take(at), DARKEST) - d - wide)
+                for log, d, wide in zip(small.logs, change, around, strict=True)
+            ]
+        )
         sure, ghost = (np.zeros(small.logs[0].shape, np.uint8) for _ in range(2))
-        lefts = []
-        for at, around, off in self.windows:
-            left = np.maximum.reduce(
-                [
-                    np.abs(np.maximum(log.take(at), DARKEST) - d - wide)
-                    for log, d, wide in zip(small.logs, change, around, strict=True)
-                ]
-            )
-            lefts.append(left)
-            sure.reshape(-1)[at[(left < LIKE[0]) & (left < LIKE[1] * off)]] = 1
+        sure.reshape(-1)[at[(left < LIKE[0]) & (left < LIKE[1] * off)]] = 1
         sure = cv2.morphologyEx(sure, cv2.MORPH_OPEN, RIM)
         if not sure.any():
             return None
-        for (at, _, off), left in zip(self.windows, lefts, strict=True):
-            ghost.reshape(-1)[at[(left < RATHER_LIKE[0]) & (left < RATHER_LIKE[1] * off)]] = 1
+        ghost.reshape(-1)[at[(left < RATHER_LIKE[0]) & (left < RATHER_LIKE[1] * off)]] = 1
         count, labels = cv2.connectedComponents(ghost, connectivity=4)
         kept = np.zeros(count, np.uint8)
         kept[labels[sure > 0]] = 1
