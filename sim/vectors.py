@@ -8,12 +8,29 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 
+# A single vector as plain numbers, which takes a third of the time of an array of three.
+Vector = list[float]
+
+
+def dot_of(a: Vector, b: Vector) -> float:
+    """Scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def length_of(a: Vector) -> float:
+    """Length."""
+    return math.sqrt(dot_of(a, a))
+
+
+def cross_of(a: Vector, b: Vector) -> Vector:
+    """a x b."""
+    (a0, a1, a2), (b0, b1, b2) = a, b
+    return [a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0]
+
 
 def cross(a: Floats, b: Floats) -> Floats:
     """a x b for (3,) arrays; ten times faster than `numpy.cross` for a single pair."""
-    a0, a1, a2 = a.tolist()
-    b0, b1, b2 = b.tolist()
-    return np.array([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0])
+    return np.array(cross_of(a.tolist(), b.tolist()))
 
 
 def dots(a: Floats, b: Floats) -> Floats:
@@ -26,8 +43,7 @@ def dots(a: Floats, b: Floats) -> Floats:
 
 def norm(a: Floats) -> float:
     """Length of a (3,) array."""
-    x, y, z = a.tolist()
-    return math.sqrt(x * x + y * y + z * z)
+    return length_of(a.tolist())
 
 
 def about_x(angle_rad: float) -> Floats:

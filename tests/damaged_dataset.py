@@ -8,7 +8,7 @@ import cv2
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from shared import shared
+from shared import copied, shared
 
 from scenarios.play.recipe import sized
 from scenarios.spec.draw import perform
@@ -106,25 +106,9 @@ def plain(tmp_path_factory):
     return shared(tmp_path_factory, "damaged", make) / "plain"
 
 
-@pytest.fixture
-def plain_copy(plain, tmp_path):
-    """A copy of `plain` that a test may damage."""
-    shutil.copytree(plain, tmp_path / "copy")
-    return tmp_path / "copy"
-
-
-@pytest.fixture
-def copy(single, tmp_path):
-    """A copy of `single` that a test may damage."""
-    shutil.copytree(single, tmp_path / "copy")
-    return tmp_path / "copy"
-
-
-@pytest.fixture
-def copies(trio, tmp_path):
-    """A copy of `trio` that a test may damage."""
-    shutil.copytree(trio, tmp_path / "copy")
-    return tmp_path / "copy"
+plain_copy = copied("plain")
+copy = copied("single")
+copies = copied("trio")
 
 
 def finish(folder, entries):

@@ -4,6 +4,8 @@ import fcntl
 import os
 import shutil
 
+import pytest
+
 
 def shared(tmp_path_factory, name, make):
     """The folder that `make(folder)` fills, whichever process comes first; read only."""
@@ -18,3 +20,14 @@ def shared(tmp_path_factory, name, make):
             make(part)
             part.rename(folder)
     return folder
+
+
+def copied(made):
+    """A fixture: a copy of the folder that the fixture named `made` gives, for a test to damage."""
+
+    @pytest.fixture
+    def copy(request, tmp_path):
+        shutil.copytree(request.getfixturevalue(made), tmp_path / "copy")
+        return tmp_path / "copy"
+
+    return copy

@@ -1,9 +1,7 @@
 """A small real data set, made once for all test processes."""
 
-import shutil
-
 import pytest
-from shared import shared
+from shared import copied, shared
 
 from scenarios.play.recipe import sized
 from scenarios.spec.draw import perform
@@ -64,8 +62,4 @@ def dataset_made(tmp_path_factory):
     return shared(tmp_path_factory, "dataset", make) / "set"
 
 
-@pytest.fixture
-def dataset_copy(dataset_made, tmp_path):
-    """A copy that a test may damage."""
-    shutil.copytree(dataset_made, tmp_path / "copy")
-    return tmp_path / "copy"
+dataset_copy = copied("dataset_made")

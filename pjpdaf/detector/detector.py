@@ -215,15 +215,16 @@ def _check(index: int, view: int, camera: Camera, picture: np.ndarray) -> None:
 
 def numbered(seen: Segments) -> np.ndarray:
     """Numbers of the components from 1 on, int32 (h, w), 0 outside."""
-    columns, rows = seen.points.T
-    numbers = np.zeros(seen.size, np.int32)
-    numbers.reshape(-1)[rows * seen.size[1] + columns] = seen.component + 1
-    return numbers
+    return _drawn(seen, np.zeros(seen.size, np.int32), seen.component + 1)
 
 
 def skin_of(seen: Segments) -> np.ndarray:
     """The pixels of all components, uint8 (h, w), 255 inside."""
+    return _drawn(seen, np.zeros(seen.size, np.uint8), 255)
+
+
+def _drawn(seen: Segments, picture: np.ndarray, values: np.ndarray | int) -> np.ndarray:
+    """The picture (h, w) with values at the pixels of all components."""
     columns, rows = seen.points.T
-    mask = np.zeros(seen.size, np.uint8)
-    mask.reshape(-1)[rows * seen.size[1] + columns] = 255
-    return mask
+    picture.reshape(-1)[rows * seen.size[1] + columns] = values
+    return picture

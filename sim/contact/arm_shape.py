@@ -35,6 +35,8 @@ PARTS = ("hand", "forearm", "upper arm")
 HAND, FOREARM, UPPER_ARM = 0, 1, 2
 _HAND_BARS, _HAND_POINTS = 19, 47
 PART_OF_BAR = np.repeat([HAND, FOREARM, UPPER_ARM], [_HAND_BARS, 4, 2])
+# Pairs of bars of two arms: upper arms do not push each other.
+BOTH_UPPER = (PART_OF_BAR[:, None] == UPPER_ARM) & (PART_OF_BAR[None] == UPPER_ARM)
 PART_OF_POINT = np.repeat([HAND, FOREARM, UPPER_ARM], [_HAND_POINTS, 9, 2])
 SHARE_OF_POINT = np.concatenate([np.ones(_HAND_POINTS), _FOREARM_POINTS, _UPPER_POINTS])
 SHARE_OF_BAR = np.array([1.0] * _HAND_BARS + [0.125, 0.375, 0.625, 0.86, 0.335, 0.775])

@@ -15,13 +15,13 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
 from sim.contact.arm_shape import (
+    BOTH_UPPER,
     FOREARM,
     HAND,
     PART_OF_BAR,
     PART_OF_POINT,
     SHARE_OF_BAR,
     SHARE_OF_POINT,
-    UPPER_ARM,
     Shape,
     arm_shape,
 )
@@ -48,7 +48,7 @@ _EASE_M = 0.002  # depth at which a push has half its weight
 _ELBOW_EASE = 4.0  # an elbow swings so much more readily than a palm leaves its target
 _LEAST_RADIUS_M = 0.05  # of the elbow's circle: a straight arm's elbow would move without end
 _EYE = np.eye(3)
-_NOT_BOTH_UPPER = (PART_OF_BAR[:, None] != UPPER_ARM) | (PART_OF_BAR[None] != UPPER_ARM)
+_PUSHING = ~BOTH_UPPER
 
 
 def _on_wrist(part: Floats, share: Floats) -> Floats:
@@ -141,7 +141,7 @@ def _pair_rows(shapes: tuple[Shape, Shape], arms: tuple[Arm, Arm]) -> tuple[Floa
     """Depths (m,) of the overlaps of two arms, and the rows (m, 8) that move them apart."""
     if _far_apart(shapes, arms):
         return np.zeros(0), np.zeros((0, 8))
-    met = contacts(shapes[0].bars(arms[0]), shapes[1].bars(arms[1]), _LEFT_ALONE_M, _NOT_BOTH_UPPER)
+    met = contacts(shapes[0].bars(arms[0]), shapes[1].bars(arms[1]), _LEFT_ALONE_M, _PUSHING)
     i, j = met.i, met.j
     if not len(i):
         return np.zeros(0), np.zeros((0, 8))

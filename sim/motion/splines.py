@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -30,14 +31,21 @@ class Spline:
     x: Floats
     c: Floats
     periodic: bool = False
-    _knots: list[float] = field(init=False, repr=False)
-    _pieces: list[list[list[float]]] = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        # Plain lists: most calls are for one parameter, and numpy takes long for little.
-        pieces = self.c.reshape(*self.c.shape[:2], -1).transpose(1, 2, 0)
-        object.__setattr__(self, "_knots", self.x.tolist())
-        object.__setattr__(self, "_pieces", pieces.tolist())
+    # Plain lists for one parameter, for which numpy takes long; many splines have no such calls.
+    @cached_property
+    def _knots(self) -> list[float]:
+        """`x`."""
+        knots: list[float] = self.x.tolist()
+        return knots
+
+    @cached_property
+    def _pieces(self) -> list[list[list[float]]]:
+        """`c` by piece and value."""
+        pieces: list[list[list[float]]] = (
+            self.c.reshape(*self.c.shape[:2], -1).transpose(1, 2, 0).tolist()
+        )
+        return pieces
 
     def __call__(self, at: float | Floats, derivative: int = 0) -> Floats:
         """Values (..., *) at parameters of any shape, or those of a derivative."""

@@ -10,7 +10,19 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
-from sim.vectors import about, about_x, about_y, about_z, bone_frame, cross, norm
+from sim.vectors import (
+    Vector,
+    about,
+    about_x,
+    about_y,
+    about_z,
+    bone_frame,
+    cross,
+    cross_of,
+    dot_of,
+    length_of,
+    norm,
+)
 
 # Outward is -y for the right side (index 0), +y for the left (index 1).
 OUTWARD = (-1.0, 1.0)
@@ -78,29 +90,14 @@ def within_reach(shoulder_m: Floats, wrist_m: Floats, upper_m: float, forearm_m:
     least, most = reach_limits(upper_m, forearm_m)
     start = shoulder_m.tolist()
     offset = [b - a for a, b in zip(start, wrist_m.tolist(), strict=True)]
-    distance = _length(offset)
+    distance = length_of(offset)
     if distance < 1e-9:
         offset, distance = [1.0, 0.0, 0.0], 1.0
     k = min(max(distance, least), most) / distance
     return np.array([a + o * k for a, o in zip(start, offset, strict=True)])
 
 
-# Single vectors are lists of floats here, which takes a third of the time of arrays of three.
-Vector = list[float]
 _UP = [0.0, 0.0, 1.0]
-
-
-def _dot(a: Vector, b: Vector) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def _length(a: Vector) -> float:
-    return math.sqrt(_dot(a, a))
-
-
-def _cross(a: Vector, b: Vector) -> Vector:
-    (a0, a1, a2), (b0, b1, b2) = a, b
-    return [a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,9 +129,9 @@ class ElbowCircle:
         """The smallest swivel in [0, MAX_SWIVEL_RAD] that keeps the elbow at or beyond a level
         along a unit direction (3,).
         """
-        a = self.radius_m * _dot(self.down, direction)
-        b = self.radius_m * _dot(self.outward, direction)
-        need = level_m - _dot(self.centre_m, direction)  # a cos s + b sin s >= need
+        a = self.radius_m * dot_of(self.down, direction)
+        b = self.radius_m * dot_of(self.outward, direction)
+        need = level_m - dot_of(self.centre_m, direction)  # a cos s + b sin s >= need
         if a >= need:
             return 0.0
         size = math.hypot(a, b)
@@ -174,19 +171,19 @@ def elbow_circle(
     """Two-link closed form (law of cosines); the wrist must be `within_reach`."""
     start = shoulder_m.tolist()
     offset = [b - a for a, b in zip(start, wrist_m.tolist(), strict=True)]
-    d = _length(offset)
+    d = length_of(offset)
     axis = [x / d for x in offset]
     along = (d * d + upper_m * upper_m - forearm_m * forearm_m) / (2.0 * d)
     radius = math.sqrt(max(upper_m * upper_m - along * along, 0.0))
     down = _hanging(side, axis)
-    tilt = _dot(down, axis)
+    tilt = dot_of(down, axis)
     down = [x - tilt * a for x, a in zip(down, axis, strict=True)]
-    if _length(down) < 1e-3:
-        down = _cross(axis, [0.0, 1.0, 0.0])
-    length = _length(down)
+    if length_of(down) < 1e-3:
+        down = cross_of(axis, [0.0, 1.0, 0.0])
+    length = length_of(down)
     down = [x / length for x in down]
     # Always the same way round: turning it over where it points inward would throw the elbow over.
-    outward = [OUTWARD[side] * x for x in _cross(axis, down)]
+    outward = [OUTWARD[side] * x for x in cross_of(axis, down)]
     centre = [a + along * x for a, x in zip(start, axis, strict=True)]
     return ElbowCircle(centre, radius, down, outward)
 

@@ -13,7 +13,7 @@ import numpy as np
 from pjpdaf.arrays import Bools, Floats
 from sim.anatomy import Anatomy
 from sim.contact.arm_shape import (
-    PART_OF_BAR,
+    BOTH_UPPER,
     PART_OF_POINT,
     UPPER_ARM,
     arm_shape,
@@ -28,7 +28,6 @@ from sim.silhouettes.arms_over import ArmsOver
 from sim.vectors import dots
 
 _LEAST_M = 0.0005  # overlaps up to this push nothing (`sim.contact.separation`)
-_BOTH_UPPER = (PART_OF_BAR[:, None] == UPPER_ARM) & (PART_OF_BAR[None] == UPPER_ARM)
 _COUNTS = PART_OF_POINT != UPPER_ARM
 _UPPER_BARS = np.array([[0.12, 0.55], [0.55, 1.0]])
 _UPPER_POINTS = np.array([0.5, 0.75])
@@ -123,7 +122,7 @@ def _pair(shapes: tuple[ArmShapes, ArmShapes]) -> Bools:
     if len(rows):
         a, b = (Capsules(s.starts_m[rows], s.ends_m[rows], s.radii_m) for s in (right, left))
         overlap, _, _ = overlaps(a, b)
-        overlap[:, _BOTH_UPPER] = 0.0
+        overlap[:, BOTH_UPPER] = 0.0
         touch[rows] = overlap.max(axis=(1, 2)) > _LEAST_M
     return touch
 

@@ -234,7 +234,8 @@ def _updates(
     means = np.array([h.means for h in hypotheses])[k, side]
     P = np.array([h.covariances for h in hypotheses])[k, side]
     m = p.motion
-    after = updated(means, P, points[side, choice], C[choice], dt_s, m.weights, m.deviations_m)
+    variances = steps(dt_s, m.deviations_m)
+    after = updated(means, P, points[side, choice], C[choice], m.weights, variances)
     return dict(zip(seen, zip(*after, strict=True), strict=True))
 
 

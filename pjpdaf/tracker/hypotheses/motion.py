@@ -50,24 +50,17 @@ def correct(
 
     Each mode by a Kalman update, then one Gaussian with the moments of their mixture.
     """
-    return mixed(*updated(mean, P, point, C, dt_s, weights, deviations_m))
+    return mixed(*updated(mean, P, point, C, weights, steps(dt_s, deviations_m)))
 
 
 def updated(
-    mean: Floats,
-    P: Floats,
-    point: Floats,
-    C: Floats,
-    dt_s: float,
-    weights: tuple[float, ...],
-    deviations_m: tuple[float, ...],
+    mean: Floats, P: Floats, point: Floats, C: Floats, weights: tuple[float, ...], variances: Floats
 ) -> tuple[Floats, Floats, Floats]:
     """Update as `correct` does, any number at once, of (..., 3) and (..., 3, 3), mode by mode.
 
-    Returns the modes' probabilities (..., modes), means (..., modes, 3) and covariances
-    (..., modes, 3, 3).
+    variances (modes,) [m^2] of the motion, per axis. Returns the modes' probabilities (..., modes),
+    means (..., modes, 3) and covariances (..., modes, 3, 3).
     """
-    variances = steps(dt_s, deviations_m)
     prior = P[..., None, :, :] + variances[:, None, None] * EYE
     S = prior + C[..., None, :, :]
     innovation = point - mean

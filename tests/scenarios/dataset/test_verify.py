@@ -4,6 +4,7 @@ import json
 import shutil
 
 import pytest
+from shared import copied
 
 from pjpdaf.errors import BenchError
 from scenarios.dataset.check_recipes import recipe_faults
@@ -37,10 +38,7 @@ def made(tmp_path_factory):
     return folder
 
 
-@pytest.fixture
-def copy(made, tmp_path):
-    shutil.copytree(made, tmp_path / "copy")
-    return tmp_path / "copy"
+copy = copied("made")
 
 
 def test_a_whole_data_set_passes_and_says_how_exact_it_is(made, capsys):

@@ -5,6 +5,7 @@ import shutil
 import numpy as np
 import pytest
 from damaged_dataset import SEQ, faults_of, files
+from shared import copied
 
 from sim.dataset.export.hdf5 import export
 from sim.dataset.reader import open_dataset
@@ -22,11 +23,7 @@ def exported(plain, tmp_path_factory):
     return folder
 
 
-@pytest.fixture
-def copy(exported, tmp_path):
-    """A copy that a test may damage."""
-    shutil.copytree(exported, tmp_path / "copy")
-    return tmp_path / "copy"
+copy = copied("exported")
 
 
 def test_a_sound_copy_has_no_fault(copy):
