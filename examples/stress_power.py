@@ -1,12 +1,17 @@
-"""What the search is worth: runs to the first swap against chance, shrinking, and equal results.
+"""What search and estimate are worth: runs to the first swap, error of p, shrinking, equal results.
 
     python examples/stress_power.py swaps --family bounce --preset thesis --rate 1e-3 --jobs 4
+    python examples/stress_power.py estimates --family examples/stress/wide_bounce.yaml \\
+        --preset thesis --plain 100000 --budget 3000 --campaigns 24 --jobs 4
     python examples/stress_power.py shrink CASE.yaml... --jobs 4
     python examples/stress_power.py workers --family cross
 
 swaps: --plain points, uniform over the ranges, give the share that swaps; --campaigns searches with
 different seeds go to their first swap. The ranges are drawn in towards nominal by --scale, or by
 the scale at which about --rate of the points swap: it is looked for first, with other points.
+What the person is (a beard, say) is drawn from each point's seed, unless it is set.
+estimates: --plain nominal draws give p; --campaigns estimates of --budget runs each, with different
+seeds, give their error, and whether their intervals cover it.
 shrink: runs, parameters left, and how many of --fresh further noise seeds fail, of each case.
 workers: the same search with 1 and with 4 workers, compared byte for byte. All in fast. Answers are
 in the file --kept as soon as they are there: the same command goes on.
@@ -22,13 +27,17 @@ from pathlib import Path
 
 import numpy as np
 
+from reports.score.robustness import GOALS
 from scenarios.execute.code_digest import NO_TRIAL, code_digest
 from scenarios.execute.journal import Journal
 from scenarios.execute.local import local_executor
 from scenarios.play.job import System
 from scenarios.stress.case import Case
 from scenarios.stress.case_file import case_of, load_case, system_of
+from scenarios.stress.estimate.estimate import estimate
+from scenarios.stress.estimate.outcomes import noise_seeds, normal_draws
 from scenarios.stress.estimate.probability import clopper_pearson
+from scenarios.stress.estimate_verb import outcomes_of
 from scenarios.stress.families import find_family
 from scenarios.stress.search.evaluation import Evaluator
 from scenarios.stress.search.search import SearchPlan, search_family
@@ -39,6 +48,7 @@ from sim.processes import Answer
 from sim.randomness import generator
 
 CHUNK = 50  # points of a task
+DRAWS = 500  # nominal draws of a task
 STEPS, LOOKED_AT = 6, 1000  # bisections of the scale, and points of each
 FIRST_SEED = 100  # of the campaigns: sizes of the search were chosen on seeds from 0
 TIME_LIMIT_S = 3600.0
@@ -69,6 +79,8 @@ class Task:
     stream: str
     number: int
     budget: int = 0
+    goal: str = "swap"
+    held: tuple[str, ...] = ()
 
     @property
     def key(self):
@@ -101,16 +113,17 @@ class Kept:
         return [self.answers[task.key] for task in tasks]
 
 
-def space_of(family, scale):
-    """The space of a family whose ranges are drawn in towards nominal."""
-    whole = Space.of(find_family(family))
+def space_of(family, scale, held=()):
+    """The space of a family whose ranges are drawn in towards nominal. held: texts NAME=VALUE."""
+    fixed = dict(text.split("=", 1) for text in held)
+    whole = Space.of(find_family(family), fixed=fixed)
     nominal, ranges = whole.nominal(), {}
     for axis in whole.axes:
         if not axis.choices:
             middle = float(nominal[axis.name])
             ends = (middle + scale * (end - middle) for end in (axis.low, axis.high))
             ranges[axis.name] = tuple(axis.rounded(end) for end in ends)
-    return Space.of(find_family(family), ranges=ranges)
+    return Space.of(find_family(family), fixed=fixed, ranges=ranges)
 
 
 def evaluated(task, then):
@@ -121,7 +134,7 @@ def evaluated(task, then):
     ):
         system = System(task.preset, task.preset)
         evaluator = Evaluator(TrialRunner(Here(), journal), system, "fast")
-        return then(space_of(task.family, task.scale), evaluator)
+        return then(space_of(task.family, task.scale, task.held), evaluator)
 
 
 def swapping(task):
@@ -154,7 +167,7 @@ def first_swap(task):
 def points_that_swap(arguments, kept, scale, stream, count):
     """Numbers of the points that swap, of `count` points."""
     chunks = [
-        Task(arguments.family, arguments.preset, scale, stream, number)
+        Task(arguments.family, arguments.preset, scale, stream, number, held=tuple(arguments.set))
         for number in range(-(-count // CHUNK))
     ]
     found = kept.of(swapping, chunks)
@@ -191,7 +204,7 @@ def swaps(arguments, kept):
         flush=True,
     )
     tasks = [
-        Task(family, preset, scale, "search", number, budget)
+        Task(family, preset, scale, "search", number, budget, held=tuple(arguments.set))
         for number in range(arguments.campaigns)
     ]
     found = kept.of(first_swap, tasks)
@@ -199,6 +212,82 @@ def swaps(arguments, kept):
     print(
         f"search: {sum(n is not None for n in found)} of {len(found)} campaigns of {budget} runs "
         f"find a swap; median run {np.median(runs):g}; {found}"
+    )
+
+
+def playing(goal):
+    """What plays draws and asks for a goal, with the space and the evaluator of a task."""
+
+    def of(space, evaluator):
+        def play(latents, seeds):
+            target = space.family.target
+            cases = [
+                Case(target, space.values_of_latent(z), int(seed))
+                for z, seed in zip(latents, seeds, strict=True)
+            ]
+            return outcomes_of([e.result for e in evaluator.evaluate(cases)], goal)
+
+        return play
+
+    return of
+
+
+def failing_draws(task):
+    """How many of a chunk of nominal draws fail, and how many count."""
+
+    def count(space, evaluator):
+        latents = normal_draws(task.number, task.stream, DRAWS, len(space.axes))
+        outcomes = playing(task.goal)(space, evaluator)(
+            latents, noise_seeds(task.number, task.stream, DRAWS)
+        )
+        failed = outcomes.failed & outcomes.counted
+        return [int(failed.sum()), int(outcomes.counted.sum())]
+
+    return evaluated(task, count)
+
+
+def estimated(task):
+    """p, its interval, its verdict and method, of one estimate."""
+
+    def once(space, evaluator):
+        play = playing(task.goal)(space, evaluator)
+        seed = FIRST_SEED + task.number
+        of = estimate(play, len(space.axes), task.budget, seed, stream="power/")[0]
+        return [of.p, of.low, of.high, of.verdict, of.method, of.ess, of.largest_weight]
+
+    return evaluated(task, once)
+
+
+def estimates(arguments, kept):
+    family, preset, goal = arguments.family, arguments.preset, arguments.goal
+    chunks = [
+        Task(family, preset, 1.0, "nominal", number, goal=goal, held=tuple(arguments.set))
+        for number in range(-(-arguments.plain // DRAWS))
+    ]
+    failed, counts = np.sum(kept.of(failing_draws, chunks), axis=0).tolist()
+    truth, (low, high) = failed / counts, clopper_pearson(failed, counts)
+    print(
+        f"{family}, {preset}, P({goal}): {failed} of {counts} plain draws, "
+        f"p = {truth:.2e} ({low:.2e} to {high:.2e})",
+        flush=True,
+    )
+    tasks = [
+        Task(family, preset, 1.0, "estimate", number, arguments.budget, goal, tuple(arguments.set))
+        for number in range(arguments.campaigns)
+    ]
+    found = kept.of(estimated, tasks)
+    for of in found:
+        print("  {:.2e} ({:.2e} to {:.2e}) {} {}, ess {:.0f}, largest weight {:.3f}".format(*of))
+    p, low, high = np.array([of[:3] for of in found]).T
+    # The plain draws have an error of their own: an interval may miss the truth by that.
+    error = np.sqrt(np.mean((p / truth - 1.0) ** 2))
+    covers = int(np.sum((low <= truth) & (truth <= high)))
+    print(
+        f"{len(found)} estimates of {arguments.budget} runs: relative RMSE {error:.3f} "
+        f"(plain draws of as many: {np.sqrt((1 - truth) / truth / arguments.budget):.3f}; "
+        f"that of p itself: {np.sqrt((1 - truth) / max(failed, 1)):.3f}); "
+        f"{covers} of {len(found)} intervals cover p; "
+        f"{sum(of[3] == 'inconclusive' for of in found)} inconclusive"
     )
 
 
@@ -267,10 +356,12 @@ def workers(arguments):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=("swaps", "shrink", "workers"))
+    parser.add_argument("what", choices=("swaps", "estimates", "shrink", "workers"))
     parser.add_argument("cases", nargs="*", type=Path)
     parser.add_argument("--family", default="cross")
     parser.add_argument("--preset", default="default")
+    parser.add_argument("--set", action="append", default=[], help="NAME=VALUE that does not vary")
+    parser.add_argument("--goal", choices=GOALS, default="swap", help="of the estimates")
     parser.add_argument("--campaigns", type=int, default=20)
     parser.add_argument("--plain", type=int, default=20_000, help="points at random")
     parser.add_argument("--scale", type=float, default=1.0, help="of the ranges, about nominal")
@@ -285,7 +376,7 @@ def main():
         workers(arguments)
         return
     kept = Kept(arguments.kept, arguments.jobs)
-    (swaps if arguments.what == "swaps" else shrinks)(arguments, kept)
+    {"swaps": swaps, "estimates": estimates, "shrink": shrinks}[arguments.what](arguments, kept)
 
 
 if __name__ == "__main__":
