@@ -16,16 +16,25 @@ from scenarios.cli.options import Cluster, Jobs, PlugInName, PresetName
 if TYPE_CHECKING:  # the verbs import it when they run: `--help` is quick
     from scenarios.stress.campaign import CampaignRequest
 
-_VERBS = ("promote",)  # may also stand before the case
+# Of `scenarios.stress.families`, which `--help` does not import; a test holds them equal.
+FAMILY_NAMES = (
+    *("cross", "bounce", "merge_and_hold", "drink", "both_hands_to_head", "mirror", "parallel"),
+    *("fast_finish", "one_view_occluder", "object_splits_hand", "roll_forearms", "recorded"),
+    "nuisances",
+)
 
 
 class TargetFirst(SentenceGroup):
-    """`stress FAMILY VERB`; `stress promote CASE` as well."""
+    """`stress FAMILY VERB`; `stress VERB FAMILY` as well."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Put the target first."""
-        if len(args) > 1 and args[0] in _VERBS and not args[1].startswith("-"):
-            args = [args[1], args[0], *args[2:]]
+        verbs = self.list_commands(ctx)
+        if len(args) > 1 and args[0] in verbs and args[1] not in verbs:
+            if "--help" in args:  # of the verb, whatever the target
+                args = ["all", args[0], "--help"]
+            elif not args[1].startswith("-"):
+                args = [args[1], args[0], *args[2:]]
         return super().parse_args(ctx, args)
 
 
@@ -70,8 +79,8 @@ def _target(
         str,
         typer.Argument(
             metavar="FAMILY|all|CASE.yaml",
-            help="What to stress: families with commas between them (names, scenario files, "
-            "module:factory of a motion), or a case.",
+            help=f"What to stress: families with commas between them ({', '.join(FAMILY_NAMES)}; "
+            "any other scenario, a scenario file, module:factory of a motion), or a case.",
         ),
     ],
 ) -> None:

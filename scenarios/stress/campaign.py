@@ -151,6 +151,8 @@ def families_of(target: str) -> tuple[StressFamily, ...]:
     if target == ALL:
         return tuple(FAMILIES.values())
     names = [name.strip() for name in target.split(",")]
+    if ALL in names:
+        raise BenchError(f"{ALL}: has every family in it; name no other beside it")
     for name in names:
         if is_path(name) and is_corpus_file(name):
             raise BenchError(
@@ -166,7 +168,10 @@ def spaces_of(request: CampaignRequest) -> tuple[Space, ...]:
     """The space of each family of a request. Raises BenchError where none has a parameter."""
     families = families_of(request.target)
     settings = read_settings(request.settings).scenario
-    ranges = dict(_range(text) for text in request.ranges)
+    ranges = _ranges(request.ranges)
+    for name in (*ranges, *request.also):
+        if name in settings:
+            raise BenchError(f"{name}: --set holds it, so that it cannot vary too; leave one out")
     spaces = []
     for family in families:
         many = len(families) > 1
@@ -286,6 +291,15 @@ def _has(family: StressFamily, name: str) -> bool:
     except BenchError:
         return name in family.scenario.parameters or name in SETTINGS
     return True
+
+
+def _ranges(texts: Sequence[str]) -> dict[str, tuple[str, str]]:
+    ranges: dict[str, tuple[str, str]] = {}
+    for name, ends in map(_range, texts):
+        if name in ranges:
+            raise BenchError(f"--range {name}: given twice")
+        ranges[name] = ends
+    return ranges
 
 
 def _range(text: str) -> tuple[str, tuple[str, str]]:

@@ -23,7 +23,7 @@ from scenarios.stress.case import Case, Fidelity
 from scenarios.stress.case_file import case_of, corpus_case, write_case
 from scenarios.stress.confirm import MOST_RUNS, Counterexample, choose, confirm
 from scenarios.stress.families import find_family
-from scenarios.stress.quarantine import name_quarantined
+from scenarios.stress.quarantine import name_quarantined, quarantine_fields
 from scenarios.stress.recording import record_episodes
 from scenarios.stress.search.evaluation import Evaluation, Evaluator
 from scenarios.stress.search.page_record import search_record, shown_failures, shown_measure
@@ -113,10 +113,10 @@ def search_verb(request: SearchRequest) -> None:
         results = [_with_files(campaign, result) for result in results]
         _write_record(campaign, results)
         page = _write_page(campaign, results, request.argv)
-        out = Console()
-        _print(campaign, results, out)
-        print_line(f"page: {page}", out)
-        name_quarantined(campaign, out)
+    out = Console()
+    _print(campaign, results, out)
+    print_line(f"page: {page}", out)
+    name_quarantined(campaign, out)
 
 
 def goals_of(text: str) -> tuple[Goal, ...]:
@@ -260,7 +260,10 @@ def _write_page(campaign: Campaign, results: Sequence[FamilyFound], argv: Sequen
         )
     record_episodes(campaign, shown)
     file = SearchFile(
-        system=system_text(campaign.system), searches=tuple(records), command=command_text(argv)
+        system=system_text(campaign.system),
+        searches=tuple(records),
+        command=command_text(argv),
+        **quarantine_fields(campaign),
     )
     write_record(campaign.folder / "failures.json", file)
     return write_stress_page([campaign.folder], campaign.folder / "stress.html")
@@ -270,9 +273,11 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound], out: Console) -> 
     for result in results:
         search = result.search
         failed = sum(bool(e.result.failed) for e in search.evaluations)
+        lost = sum(e.result.robustness is None for e in search.evaluations)
         print_line(
             f"{search.space.family.name}: {result.runs_text}; "
-            f"{failed} of {count(len(search.evaluations), 'point')} fail, "
+            f"{failed} of {count(len(search.evaluations), 'point')} "
+            f"{'fails' if failed == 1 else 'fail'}, {f'{lost} without a result, ' * bool(lost)}"
             f"{count(len(search.failures), 'distinct failure')} (ended by {search.ended})",
             out,
         )

@@ -50,7 +50,6 @@ def shrink_verb(request: ShrinkRequest) -> None:
         settings=record.settings,
         options=options,
     )
-    out = Console()
     with open_campaign(campaign_request) as campaign:
         space, case = campaign.spaces[0], case_of(record)
         space = Space.of(space.family, ["fps"] if "fps" in case.values else [])
@@ -61,7 +60,7 @@ def shrink_verb(request: ShrinkRequest) -> None:
         shrunk = shrink(
             space, case, record.event, evaluator.evaluate, request.fresh, campaign.request.seed
         )
-        _print(out, shrunk, space, fidelity)
+        written: list[str] = []
         for name, kept, survival in (
             ("minimal", shrunk.minimal, shrunk.minimal_survival),
             ("severe", shrunk.severe, shrunk.severe_survival),
@@ -75,8 +74,12 @@ def shrink_verb(request: ShrinkRequest) -> None:
                 title = f"{record.name}_{name}"[:60]
                 form = corpus_case(title, kept, system, record.event, record.rho, "open", note)
                 write_case(path, form, replace=True)
-                print_line(f"{name}: {path}", out)
-        name_quarantined(campaign, out)
+                written.append(f"{name}: {path}")
+    out = Console()
+    _print(out, shrunk, space, fidelity)
+    for line in written:
+        print_line(line, out)
+    name_quarantined(campaign, out)
 
 
 def _print(out: Console, shrunk: Shrunk, space: Space, fidelity: str) -> None:
