@@ -69,6 +69,14 @@ Seed = Annotated[int, typer.Option(help="The seed of the whole campaign.")]
 StressOut = Annotated[
     Path | None, typer.Option(help="Folder of the results [runs/stress-FAMILY-VERB-DIGEST].")
 ]
+CaseDetector = Annotated[
+    str | None,
+    typer.Option(help="Instead of the case's; also to allow its module:factory, which is code."),
+]
+CaseTracker = Annotated[
+    str | None,
+    typer.Option(help="Likewise; that of a preset brings its detector."),
+]
 TimeLimit = Annotated[float, typer.Option(help="How long one episode may take [s].")]
 
 
@@ -195,6 +203,8 @@ def search(
 def shrink(
     ctx: typer.Context,
     fresh: Annotated[int, typer.Option(help="Further noise seeds for the survival rates.")] = 100,
+    detector: CaseDetector = None,
+    tracker: CaseTracker = None,
     fidelity: FidelityName = None,
     seed: Seed = 0,
     jobs: Jobs = None,
@@ -219,7 +229,7 @@ def shrink(
         out=out,
         time_limit_s=time_limit,
     )
-    shrink_verb(ShrinkRequest(campaign, Path(ctx.obj), fresh))
+    shrink_verb(ShrinkRequest(campaign, Path(ctx.obj), fresh, detector, tracker))
 
 
 @app.command("replay")
@@ -234,12 +244,18 @@ def replay(
         ),
     ] = None,
     seed: Annotated[int | None, typer.Option(help="Another noise seed [the file's; 0].")] = None,
-    detector: PlugInName = None,
-    tracker: PlugInName = None,
-    fidelity: FidelityName = None,
+    preset: Annotated[
+        str | None, typer.Option(help="Detector and tracker of this preset [the file's; default].")
+    ] = None,
+    detector: CaseDetector = None,
+    tracker: CaseTracker = None,
+    fidelity: Annotated[
+        str | None, typer.Option(help="fast: without pictures; full: rendered [full].")
+    ] = None,
     film: Annotated[
         Path | None, typer.Option(metavar="OUT.mp4", help="Film it, estimates and truth drawn in.")
     ] = None,
+    time_limit: TimeLimit = 900.0,
 ) -> None:
     """Play a case again: CASE.yaml, or a FAMILY with values. The same case gives the same bytes."""
     from scenarios.stress.replay import ReplayRequest, replay_verb
@@ -249,10 +265,11 @@ def replay(
             ctx.obj,
             tuple(settings or ()),
             seed,
-            detector,
-            tracker,
+            detector or preset,
+            tracker or preset,
             fidelity_named(fidelity) or "full",
             film,
+            time_limit,
         )
     )
 
@@ -267,8 +284,12 @@ def promote(
     fixed: Annotated[
         bool, typer.Option("--fixed", help="Put it in as fixed: it must not fail any more.")
     ] = False,
+    detector: CaseDetector = None,
+    tracker: CaseTracker = None,
 ) -> None:
     """Put CASE.yaml into the corpus, if it fails when it is rendered."""
     from scenarios.stress.replay import promote as put_in
 
-    typer.echo(f"corpus: {put_in(Path(ctx.obj), name, corpus, 'fixed' if fixed else 'open')}")
+    status = "fixed" if fixed else "open"
+    put = put_in(Path(ctx.obj), name, corpus, status, detector, tracker)
+    typer.echo(f"corpus: {put}")

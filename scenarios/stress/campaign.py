@@ -26,6 +26,7 @@ from scenarios.execute.code_digest import NO_TRIAL, code_digest, plug_in_digest
 from scenarios.execute.executor import ClusterFault
 from scenarios.execute.isolated import try_plug_ins
 from scenarios.execute.journal import Journal
+from scenarios.execute.local import check_time_limit
 from scenarios.execute.place import executor_at, place_of
 from scenarios.execute.software import PlugIns
 from scenarios.play.fast_trust import fast_trust
@@ -46,7 +47,6 @@ from scenarios.stress.trials import TIME_LIMIT_S, TrialRunner
 from sim.motion.stage import Value
 
 ALL = "all"
-MAX_TIME_LIMIT_S = 86_400.0
 MAX_RUNS = 10_000_000
 
 
@@ -194,11 +194,7 @@ def open_campaign(request: CampaignRequest, total: int | None = None) -> Iterato
     request, all before anything is played, and Interrupted after a signal: the same command goes
     on then.
     """
-    if not 0 < request.time_limit_s <= MAX_TIME_LIMIT_S:
-        raise BenchError(
-            f"--time-limit must be above 0 s, at most {MAX_TIME_LIMIT_S:g}, got "
-            f"{request.time_limit_s:g}"
-        )
+    check_time_limit(request.time_limit_s)
     if not 0 <= request.seed < 2**31:
         raise BenchError(f"--seed must be between 0 and {2**31 - 1}, got {request.seed}")
     spaces = spaces_of(request)

@@ -86,9 +86,7 @@ def compare_verb(request: CompareRequest) -> None:
         names = f"{records[0].a} and {records[0].b}"
         write_record(
             campaign.folder / "compare.json",
-            CompareFile(
-                system=names, comparisons=tuple(records), **quarantine_fields(campaign)
-            ),
+            CompareFile(system=names, comparisons=tuple(records), **quarantine_fields(campaign)),
         )
         page = write_stress_page([campaign.folder], campaign.folder / "stress.html")
     out = Console()

@@ -16,7 +16,7 @@ from reports.stress.records import SearchFile, write_record
 from reports.summary.text import count
 from scenarios.console.lines import print_command, print_line
 from scenarios.console.tables import print_table
-from scenarios.spec.corpus_case import corpus_files, load_corpus_case
+from scenarios.spec.corpus_case import corpus_files, load_corpus_case, numbered_label
 from scenarios.spec.suggestion import suggestion
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
 from scenarios.stress.case import Case, Fidelity
@@ -31,7 +31,7 @@ from scenarios.stress.search.record import KIND, VERSION, family_record
 from scenarios.stress.search.search import FamilySearch, SearchPlan, search_family
 from scenarios.stress.search.table import failure_table
 from scenarios.stress.space import Space
-from scenarios.stress.system_text import command_text, system_text
+from scenarios.stress.system_text import case_command, command_text, system_text
 from sim.files import written_whole_file
 
 MAX_BUDGET = 1_000_000
@@ -197,7 +197,8 @@ def _with_files(campaign: Campaign, result: FamilyFound) -> FamilyFound:
     folder = campaign.folder / "cases"
     folder.mkdir(exist_ok=True)
     for number, one in enumerate(result.found, start=1):
-        name = f"{find_family(one.case.family).name}_{one.measure}_{number}"
+        family = find_family(one.case.family).name
+        name = numbered_label(family, f"_{one.measure}_{number}")
         robustness = one.result.robustness
         if robustness is None or (one.full is not None and not one.confirmed):
             files.append(None)
@@ -255,6 +256,7 @@ def _write_page(campaign: Campaign, results: Sequence[FamilyFound], argv: Sequen
                 result.files,
                 result.fidelity,
                 episodes,
+                campaign.system,
                 result.fresh_runs,
             )
         )
@@ -290,7 +292,7 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound], out: Console) -> 
         share = 100 * confirmed / len(rendered)
         print_line(f"confirmed in full: {confirmed} of {len(rendered)} ({share:.0f} %)", out)
     for result in results:
-        for path in result.files:
+        for one, path in zip(result.found, result.files, strict=True):
             if path is not None:
-                print_command(f"replay: pjpdaf-bench stress {path} replay", out)
+                print_command(f"replay: {case_command(path, one.case, campaign.system)}", out)
     print_line(f"search: {campaign.folder / 'search.json'}", out)

@@ -31,7 +31,10 @@ def test_a_map_is_the_same_when_it_goes_on(tmp_path, capsys) -> None:
     request = MapRequest(campaign("map", tmp_path / "a"), plan, episodes=1, argv=("stress",))
     map_verb(request)
     first = (tmp_path / "a" / "map.json").read_bytes()
-    assert "bounce: speed x front, 4 cells, 4 runs in fast; of the cells' 4 trials: none" in capsys.readouterr().out
+    assert (
+        "bounce: speed x front, 4 cells, 4 runs in fast; of the cells' 4 trials: none"
+        in capsys.readouterr().out
+    )
     (tmp_path / "a" / "map.json").unlink()
     map_verb(request)
     assert (tmp_path / "a" / "map.json").read_bytes() == first
