@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
 from typing import TypeVar
 
@@ -22,7 +23,12 @@ R = TypeVar("R", bound=BaseModel)
 
 def load_scenario_file(path: Path | str) -> Scenario:
     """The scenario of a YAML file. Raises FileFault with the place of the first fault."""
-    return parse(read_text(path), str(path), Scenario, Path(path).parent)
+    return _scenario_of(read_text(path), str(path), Path(path).parent)
+
+
+@lru_cache(maxsize=16)  # stress asks for it with each trial, and YAML takes as long as an episode
+def _scenario_of(text: str, file: str, folder: Path) -> Scenario:
+    return parse(text, file, Scenario, folder)
 
 
 def load_suite_file(path: Path | str) -> Suite:

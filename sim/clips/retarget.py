@@ -18,20 +18,15 @@ from sim.clips.clips import Clip
 from sim.clips.fit import Fit, fit_of
 from sim.clips.limits import above, at_a_table, in_reach, limited, smooth
 from sim.motion.carriage import Carriage
-from sim.motion.motion import elbow_floor, table_of
+from sim.motion.motion import elbow_floor_over, table_of
 from sim.motion.planner import curled
-from sim.motion.posture import posture
+from sim.motion.posture import shoulders_over
 from sim.motion.strokes import HandState, minimum_jerk, quaternion_of
-from sim.person.kinematics import (
-    OUTWARD,
-    elbow_circle,
-    hand_rotation,
-    shoulders,
-    within_reach,
-)
+from sim.person.elbow_circles import ElbowCircles, elbow_circles, within_reach_over
+from sim.person.kinematics import OUTWARD, hand_rotation
 from sim.pose import SIDES
 from sim.specs import SceneSpec
-from sim.vectors import norm
+from sim.vectors import dots
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -110,7 +105,7 @@ def retarget(
     carriage = CubicSpline(clip.times_s, held)
     wished = np.stack([fit.placed(clip.path(f"{side}_hand")) for side in SIDES], axis=1)
     grid = _grid(clip.duration_s)
-    joints = np.array([_shoulders(anatomy, _carriage(row)) for row in carriage(grid)])
+    joints = shoulders_over(anatomy, carriage(grid)[:, :3])
     reached = in_reach(wished, CubicSpline(grid, joints)(clip.times_s), anatomy)
     palms = at_a_table(reached, scene.room)
     moved = np.linalg.norm(palms - wished, axis=2)
@@ -141,13 +136,6 @@ def _grid(duration_s: float) -> Floats:
 def _carriage(row: Floats) -> Carriage:
     forward, sideways, turn, yaw, pitch = row[:5].tolist()
     return Carriage(forward, sideways, turn, yaw, pitch, row[5:])
-
-
-def _shoulders(anatomy: Anatomy, carriage: Carriage) -> tuple[Floats, Floats]:
-    """Shoulder joints of a torso held so, before it leans to help an arm."""
-    at_rest = HandState(np.array([0.3, 0.0, 0.8]), np.array([1.0, 0.0, 0.0, 0.0]), np.zeros(5))
-    torso, _ = posture(anatomy, (at_rest, at_rest), np.zeros(3), carriage)
-    return shoulders(anatomy, torso.position_m, torso.rotation)
 
 
 def _carriages(clip: Clip, scale: float, anatomy: Anatomy) -> Floats:
@@ -204,16 +192,19 @@ def _arms(
     from scipy.interpolate import CubicSpline  # late, as in `bvh`
     from scipy.ndimage import gaussian_filter1d
 
-    grid = track.times_s
+    anatomy, table, grid = scene.anatomy, table_of(scene.room), track.times_s
+    upper, fore = anatomy.upper_arm_m, anatomy.forearm_m + anatomy.wrist_to_palm_m
     steady = _STEADY_S / float(grid[1] - grid[0])
     turns, swivels = np.empty((len(grid), 2, 4)), np.zeros((len(grid), 2))
     for side, name in enumerate(SIDES):
         palms, joints = track.palms[:, side], track.joints[:, side]
+        ends = within_reach_over(joints, palms, upper, fore)
+        circles = elbow_circles(side, joints, ends, upper, fore)
         # The recorded elbow and wrist hold as far as the palm is where it was.
         trust = np.exp(-((track.moved[:, side] / _TRUSTED_M) ** 2))
         if clip.has(f"{name}_elbow"):
             elbows = fit.placed(CubicSpline(clip.times_s, clip.path(f"{name}_elbow"))(grid))
-            bends = _bends(side, scene.anatomy, joints, palms, elbows)
+            bends = _bends(circles, elbows)
             usual = 0.1 * np.array([math.cos(swivel_rad), math.sin(swivel_rad)])
             bends = trust[:, None] * bends + (1.0 - trust)[:, None] * usual
             # As a vector, as long as the elbow is off the arm's axis: a straight arm says little.
@@ -222,7 +213,8 @@ def _arms(
             low, high = _SWIVELS_RAD
             middle, half = 0.5 * (low + high), 0.5 * (high - low)
             swivels[:, side] = middle + limited(angles - middle, half) - swivel_rad
-        along = _forearms(side, scene, joints, palms, swivels[:, side] + swivel_rad)
+        floors = elbow_floor_over(anatomy, table, palms)
+        along = _forearms(circles, ends, floors, swivels[:, side] + swivel_rad)
         if clip.has(f"{name}_wrist"):
             pointing = clip.path(f"{name}_hand") - clip.path(f"{name}_wrist")
             pointing = CubicSpline(clip.times_s, pointing)(grid)
@@ -234,31 +226,21 @@ def _arms(
     return turns, swivels
 
 
-def _bends(side: int, anatomy: Anatomy, joints: Floats, palms: Floats, elbows: Floats) -> Floats:
+def _bends(circles: ElbowCircles, elbows: Floats) -> Floats:
     """How far recorded elbows (m, 3) are off the arm's axis, down and outward (m, 2) [m]."""
-    upper, fore = anatomy.upper_arm_m, anatomy.forearm_m + anatomy.wrist_to_palm_m
-    bends = np.empty((len(palms), 2))
-    for k, (joint, palm) in enumerate(zip(joints, palms, strict=True)):
-        circle = elbow_circle(side, joint, within_reach(joint, palm, upper, fore), upper, fore)
-        off = elbows[k] - circle.centre_m
-        bends[k] = off @ circle.down, off @ circle.outward
-    return bends
+    off = elbows - circles.centre_m
+    return np.column_stack([np.vecdot(off, circles.down), np.vecdot(off, circles.outward)])
 
 
-def _forearms(
-    side: int, scene: SceneSpec, joints: Floats, palms: Floats, swivels: Floats
-) -> Floats:
-    """Unit directions (m, 3) from the elbows to the palms, with straight wrists."""
-    anatomy, table = scene.anatomy, table_of(scene.room)
-    upper, fore = anatomy.upper_arm_m, anatomy.forearm_m + anatomy.wrist_to_palm_m
-    along = np.empty((len(palms), 3))
-    for k, (joint, palm) in enumerate(zip(joints, palms, strict=True)):
-        end = within_reach(joint, palm, upper, fore)
-        circle = elbow_circle(side, joint, end, upper, fore)
-        least = circle.least_swivel(elbow_floor(anatomy, table, palm))
-        forearm = end - circle.elbow(max(float(swivels[k]), least))
-        along[k] = forearm / norm(forearm)
-    return along
+def _forearms(circles: ElbowCircles, ends: Floats, floors: Floats, swivels: Floats) -> Floats:
+    """Unit directions (m, 3) from the elbows to the arms' ends (m, 3), with straight wrists.
+
+    floors (m,): least heights of the elbows [m].
+    """
+    swivels = np.maximum(swivels, circles.least_swivels(floors)).tolist()
+    cos, sin = (np.array([of(swivel) for swivel in swivels]) for of in (math.cos, math.sin))
+    forearms = ends - circles.elbows(cos, sin)
+    return np.asarray(forearms / np.sqrt(dots(forearms, forearms))[:, None])
 
 
 def _turns(side: int, along: Floats, heights: Floats) -> Floats:

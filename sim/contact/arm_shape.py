@@ -61,11 +61,12 @@ class Digits:
     more_rad: Floats
 
     def joints(self, curls: Floats) -> Floats:
-        """First joint, two more, tip of each finger (5, 4, 3) [m] for curls (5,)."""
-        turned = (self.straight_rad + curls[:, None] * self.more_rad)[..., None]
+        """First joint, two more, tip of each finger (..., 5, 4, 3) [m] for curls (..., 5)."""
+        turned = (self.straight_rad + curls[..., None] * self.more_rad)[..., None]
         along = np.cos(turned) * self.ahead[:, None] - np.sin(turned) * self.up[:, None]
-        bones = np.concatenate([self.bases_m[:, None], self.lengths_m[..., None] * along], axis=1)
-        return np.cumsum(bones, axis=1)
+        bases = np.broadcast_to(self.bases_m[:, None], (*along.shape[:-2], 1, 3))
+        bones = np.concatenate([bases, self.lengths_m[..., None] * along], axis=-2)
+        return np.cumsum(bones, axis=-2)
 
     def joints_over(self, curls: Floats) -> Floats:
         """The joints (F, 5, 4, 3) [m] for the curls (F, 5) of F moments."""
@@ -97,29 +98,34 @@ def digits_of(anatomy: Anatomy) -> Digits:
 
 @lru_cache(maxsize=256)
 def _hand_capsules(anatomy: Anatomy, side: int, curls: tuple[float, ...]) -> Capsules:
-    broad = anatomy.hand_breadth_m / _AVERAGE_BREADTH_M
-    long = anatomy.wrist_to_palm_m / _AVERAGE_PALM_M
-    across, near, far = np.array(_PALM_BARS).T
-    lies = np.full(len(across), -0.001)
-    digits = digits_of(anatomy)
-    joints = digits.joints(np.array(curls))
+    one = hand_capsules_over(anatomy, side, np.array([curls]))
+    return Capsules(
+        readonly(one.starts_m[0], (None, 3), "starts"),
+        readonly(one.ends_m[0], (None, 3), "ends"),
+        readonly(one.radii_m, (None,), "radii"),
+    )
+
+
+def hand_capsules_over(anatomy: Anatomy, side: int, curls: Floats) -> Capsules:
+    """The bars (n, 19) of `hand_capsules` for curls (n, 5), to the bit; their radii (19,)."""
+    palm, digits = palm_bars(anatomy), digits_of(anatomy)
+    joints = digits.joints(curls)
     mirror = np.array([1.0, -OUTWARD[side], 1.0])  # drawn for the right hand, thumb at +y
     starts, ends = (
         mirror
         * np.concatenate(
-            [np.column_stack([reach * long, across * broad, lies]), chain.reshape(-1, 3)]
+            [
+                np.broadcast_to(fixed, (len(curls), *fixed.shape)),
+                chain.reshape(len(curls), -1, 3),
+            ],
+            axis=1,
         )
-        for reach, chain in ((near, joints[:, :-1]), (far, joints[:, 1:]))
+        for fixed, chain in (
+            (palm.starts_m, joints[:, :, :-1]),
+            (palm.ends_m, joints[:, :, 1:]),
+        )
     )
-    return Capsules(
-        readonly(starts, (None, 3), "starts"),
-        readonly(ends, (None, 3), "ends"),
-        readonly(
-            np.concatenate([np.full(len(across), _PALM_RADIUS * broad), digits.radii_m.ravel()]),
-            (None,),
-            "radii",
-        ),
-    )
+    return Capsules(starts, ends, np.concatenate([palm.radii_m, digits.radii_m.ravel()]))
 
 
 def palm_bars(anatomy: Anatomy) -> Capsules:

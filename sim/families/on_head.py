@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
 from sim.contact.arm_shape import arm_shape, hand_capsules
+from sim.contact.capsules import Capsules
 from sim.contact.contact import exempt
 from sim.contact.solids import person_solids
-from sim.motion.bisection import bisect
 from sim.motion.posture import posture
 from sim.motion.stage import Stage
 from sim.motion.strokes import HandState, quaternion_of
 from sim.person.kinematics import OUTWARD, shoulders, solve_arm
-from sim.vectors import about, about_y, cross, norm
+from sim.vectors import about, about_y, cross, dots, norm
 
 _FREE_M = 0.0005  # of air between a hand that touches and the head: nothing to project away
 
@@ -34,15 +36,18 @@ def _facing(normal: Floats, fingers: Floats) -> Floats:
     return np.column_stack([along, cross(normal, along), normal])
 
 
-def _gap(anatomy: Anatomy, side: int, palm_m: Floats, turn: Floats, curls: Floats) -> float:
-    """Air [m] between a hand in the head's frame and the head, an ellipsoid; below 0 inside."""
-    bars = hand_capsules(anatomy, side, curls).placed(palm_m, turn)
-    points = np.concatenate([bars.starts_m, 0.5 * (bars.starts_m + bars.ends_m), bars.ends_m])
-    axes = _half_axes(anatomy) + np.tile(bars.radii_m, 3)[:, None]
+def _gaps(bars: Capsules, axes_m: Floats) -> Floats:
+    """Air (n,) [m] between hands (n, 19 bars) in the head's frame and the head, an ellipsoid of
+    these half axes (3,); below 0 inside.
+    """
+    middles = 0.5 * (bars.starts_m + bars.ends_m)
+    points = np.concatenate([bars.starts_m, middles, bars.ends_m], axis=1)
+    axes = axes_m + np.tile(bars.radii_m, 3)[:, None]
     scaled = points / axes
-    level = np.sqrt((scaled * scaled).sum(axis=1))
-    steep = np.sqrt(((scaled / axes) ** 2).sum(axis=1)) / level
-    return float(((level - 1.0) / steep).min())
+    level = np.sqrt(dots(scaled, scaled))
+    steeper = scaled / axes
+    steep = np.sqrt(dots(steeper, steeper)) / level
+    return np.asarray(((level - 1.0) / steep).min(axis=1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,37 +72,52 @@ class Laying:
     tilts_rad: tuple[float, ...] = (0.25, 0.1, 0.45, 0.7)
 
     def placed(
-        self, anatomy: Anatomy, side: int, twist_rad: float, tilt_rad: float
-    ) -> tuple[Floats, Floats]:
-        """Palm (3,) [m] and turn (3, 3), head frame: about to touch."""
+        self, anatomy: Anatomy, side: int, angles_rad: Sequence[tuple[float, float]]
+    ) -> list[tuple[Floats, Floats]]:
+        """Palm (3,) [m] and turn (3, 3), head frame: about to touch; for each twist and tilt."""
         axes = _half_axes(anatomy)
         unit = self.spot / norm(self.spot)
         normal = (unit / axes) / norm(unit / axes)
-        turn = about(normal, twist_rad) @ _facing(normal, self.fingers) @ about_y(tilt_rad)
-        base = axes * unit - turn @ self.pad
-        palm = base + self._clear_of_head(anatomy, side, base, turn, normal) * normal
-        for _ in range(12):
-            if self.own_side_m is None:
-                break
-            bars = hand_capsules(anatomy, side, self.curls).placed(palm, turn)
-            ends = OUTWARD[side] * np.stack([bars.starts_m[:, 1], bars.ends_m[:, 1]])
-            aside = self.own_side_m - float((ends - bars.radii_m).min())
-            if aside < 1e-4:
-                break
-            # More than is asked for: the way back to the head leads inward again.
-            base[1] += 1.3 * OUTWARD[side] * aside
-            palm = base + self._clear_of_head(anatomy, side, base, turn, normal) * normal
-        return palm, turn
+        facing = _facing(normal, self.fingers)
+        turns = [about(normal, twist) @ facing @ about_y(tilt) for twist, tilt in angles_rad]
+        bases = [axes * unit - turn @ self.pad for turn in turns]
+        palms = self._clear_of_head(anatomy, side, bases, turns, normal)
+        for k, (base, turn) in enumerate(zip(bases, turns, strict=True)):
+            for _ in range(12):
+                if self.own_side_m is None:
+                    break
+                bars = hand_capsules(anatomy, side, self.curls).placed(palms[k], turn)
+                ends = OUTWARD[side] * np.stack([bars.starts_m[:, 1], bars.ends_m[:, 1]])
+                aside = self.own_side_m - float((ends - bars.radii_m).min())
+                if aside < 1e-4:
+                    break
+                # More than is asked for: the way back to the head leads inward again.
+                base[1] += 1.3 * OUTWARD[side] * aside
+                (palms[k],) = self._clear_of_head(anatomy, side, [base], [turn], normal)
+        return list(zip(palms, turns, strict=True))
 
     def _clear_of_head(
-        self, anatomy: Anatomy, side: int, base: Floats, turn: Floats, normal: Floats
-    ) -> float:
-        """Distance along the normal [m] at which the hand is about to touch the head."""
-
-        def free(off_m: float) -> bool:
-            return _gap(anatomy, side, base + off_m * normal, turn, self.curls) >= _FREE_M
-
-        return max(bisect(-0.05, 0.15, 16, free)[1], self.air_m)
+        self,
+        anatomy: Anatomy,
+        side: int,
+        bases: Sequence[Floats],
+        turns: Sequence[Floats],
+        normal: Floats,
+    ) -> list[Floats]:
+        """Palms (3,) from bases (3,) along the normal to where the hands are about to touch."""
+        shape, axes = hand_capsules(anatomy, side, self.curls), _half_axes(anatomy)
+        starts, ends = (
+            np.array([points @ turn.T for turn in turns])
+            for points in (shape.starts_m, shape.ends_m)
+        )
+        base = np.array(bases)
+        near, far = np.full(len(base), -0.05), np.full(len(base), 0.15)
+        for _ in range(16):  # bisection, of all at once
+            middle = 0.5 * (near + far)
+            palm = (base + middle[:, None] * normal)[:, None]
+            free = _gaps(Capsules(starts + palm, ends + palm, shape.radii_m), axes) >= _FREE_M
+            near, far = np.where(free, near, middle), np.where(free, middle, far)
+        return list(base + np.maximum(far, self.air_m)[:, None] * normal)
 
 
 def laid_alone(stage: Stage, side: int, laying: Laying, swivel_rad: float) -> HandState:
@@ -128,19 +148,19 @@ def laid_on_head(
     body = person_solids(anatomy, torso.position_m, torso.rotation, head.position_m, head.rotation)
     shape = arm_shape(anatomy, side, laying.curls)
     best, least = like, math.inf
-    for rank, twist in enumerate(laying.twists_rad):
-        for order, tilt in enumerate(laying.tilts_rad):
-            palm, turn = laying.placed(anatomy, side, twist, tilt)
-            palm_w, turn_w = head.position_m + head.rotation @ palm, head.rotation @ turn
-            arm = solve_arm(anatomy, side, shoulder, palm_w, turn_w, swivel)
-            depth, _ = body.push(shape.points(arm), shape.point_radii_m)
-            sunk = max(float(depth[~exempt(body.names)].max()), 0.0)
-            # 1 mm short or sunk in is as bad as 1 degree that the wrist has to be turned back.
-            bent = math.acos(min(1.0, 0.5 * (float(np.trace(arm.hand.T @ turn_w)) - 1.0)))
-            cost = 60.0 * (arm.short_m + sunk) + 3.4 * bent + 0.06 * (rank + order)
-            if cost < least:
-                least = cost
-                best = replace(
-                    like, position_m=palm_w, quaternion=quaternion_of(turn_w), curls=laying.curls
-                )
+    chosen = list(product(enumerate(laying.twists_rad), enumerate(laying.tilts_rad)))
+    placed = laying.placed(anatomy, side, [(twist, tilt) for (_, twist), (_, tilt) in chosen])
+    for ((rank, _), (order, _)), (palm, turn) in zip(chosen, placed, strict=True):
+        palm_w, turn_w = head.position_m + head.rotation @ palm, head.rotation @ turn
+        arm = solve_arm(anatomy, side, shoulder, palm_w, turn_w, swivel)
+        depth, _ = body.push(shape.points(arm), shape.point_radii_m)
+        sunk = max(float(depth[~exempt(body.names)].max()), 0.0)
+        # 1 mm short or sunk in is as bad as 1 degree that the wrist has to be turned back.
+        bent = math.acos(min(1.0, 0.5 * (float(np.trace(arm.hand.T @ turn_w)) - 1.0)))
+        cost = 60.0 * (arm.short_m + sunk) + 3.4 * bent + 0.06 * (rank + order)
+        if cost < least:
+            least = cost
+            best = replace(
+                like, position_m=palm_w, quaternion=quaternion_of(turn_w), curls=laying.curls
+            )
     return best

@@ -8,8 +8,8 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
-from sim.contact.arm_shape import hand_capsules
-from sim.contact.capsules import Capsules, capsule_gap
+from sim.contact.arm_shape import hand_capsules, hand_capsules_over
+from sim.contact.capsules import Capsules, capsule_gap, overlaps
 from sim.motion.bisection import bisect
 from sim.motion.strokes import HandState
 from sim.pose import Transform
@@ -43,17 +43,18 @@ def closed(
     curls = state.curls.copy()
     for finger in range(5):
         first = 4 + 3 * finger  # after the palm's bars, three of each finger
-        for curl in np.linspace(curls[finger], most[finger], 40).tolist():
-            trial = curls.copy()
-            trial[finger] = curl
-            bars = hand_bars(anatomy, side, replace(state, curls=trial))
-            of_finger = slice(first, first + 3)
-            chain = Capsules(
-                bars.starts_m[of_finger], bars.ends_m[of_finger], bars.radii_m[of_finger]
-            )
-            if capsule_gap(chain, obstacle)[0] > 0.0:
-                break
-            curls = trial
+        tried = np.linspace(curls[finger], most[finger], 40)
+        trials = np.tile(curls, (len(tried), 1))
+        trials[:, finger] = tried
+        bars = hand_capsules_over(anatomy, side, trials).placed(state.position_m, state.rotation)
+        of_finger = slice(first, first + 3)
+        chain = Capsules(
+            bars.starts_m[:, of_finger], bars.ends_m[:, of_finger], bars.radii_m[of_finger]
+        )
+        touches = np.flatnonzero(overlaps(chain, obstacle)[0].max(axis=(1, 2)) > 0.0)
+        free = touches[0] if len(touches) else len(tried)
+        if free:
+            curls[finger] = tried[free - 1]
     return replace(state, curls=curls)
 
 

@@ -129,6 +129,15 @@ def elbow_floor(anatomy: Anatomy, table: Table, palm_m: Floats) -> float:
     return table.top_m + _ELBOW_CLEARANCE_H * anatomy.stature_m - _HANGING_M * hanging
 
 
+def elbow_floor_over(anatomy: Anatomy, table: Table, palms_m: Floats) -> Floats:
+    """`elbow_floor` (n,) of palms (n, 3), to the bit."""
+    before = (table.near_x_m + 0.05 - palms_m[:, 0]) / 0.15
+    under = (table.top_m - palms_m[:, 2]) / 0.05
+    s = np.clip(np.maximum(before, under), 0.0, 1.0)
+    hanging = s * s * s * (10.0 + s * (6.0 * s - 15.0))  # `minimum_jerk`
+    return np.asarray(table.top_m + _ELBOW_CLEARANCE_H * anatomy.stature_m - _HANGING_M * hanging)
+
+
 def object_at_rest(room: RoomSpec, name: str) -> Transform:
     """The place of an object of the room before anybody moves it. Raises KeyError."""
     for spec in room.objects:

@@ -14,7 +14,7 @@ from sim.motion.carriage import NEUTRAL, Carriage
 from sim.motion.strokes import HandState
 from sim.person.kinematics import shoulders
 from sim.pose import Transform
-from sim.vectors import about_x, about_y, about_z, norm
+from sim.vectors import about_x, about_y, about_z, dots, norm
 
 _HIP_HEIGHT_H = 0.245  # of the stature: the pivot of the torso (seat height, as in `Anatomy.of`)
 _HEAD_FORWARD_M = 0.02  # the head's centre stands ahead of the mid-shoulder point
@@ -69,6 +69,42 @@ def _held(carriage: Carriage) -> Floats:
         return np.eye(3)
     lean = about_x(-carriage.sideways_rad) @ about_y(carriage.forward_rad)
     return lean @ about_z(carriage.turn_rad)
+
+
+def shoulders_over(anatomy: Anatomy, turns_rad: Floats) -> Floats:
+    """Shoulder joints (n, 2, 3) of a torso that a carriage holds while the hands ask for nothing.
+
+    turns_rad (n, 3): forward, sideways, turn. To the bit as `shoulders` of `posture`'s torso.
+    """
+    pivot = np.array([0.0, 0.0, _HIP_HEIGHT_H * anatomy.stature_m])
+    spine = np.array([0.0, 0.0, anatomy.mid_shoulder_height_m]) - pivot
+    half, drop = anatomy.shoulder_half_breadth_m, anatomy.shoulder_drop_m
+    joints = [np.array([0.0, outward * half, -drop]) for outward in (-1.0, 1.0)]
+    forward, sideways, turn = turns_rad.T
+    held = _turns(0, -sideways) @ _turns(1, forward) @ _turns(2, turn)
+    # Before the chest, within reach: a torso still leans a little for them.
+    wrist = np.array([0.3, 0.0, 0.8]) - anatomy.wrist_to_palm_m * np.array([1.0, 0.0, 0.0])
+    lean = np.zeros(len(turns_rad))
+    for joint in joints:
+        off = wrist - (pivot + held @ spine + held @ joint)
+        short = (np.sqrt(dots(off, off)) - 0.95 * (anatomy.upper_arm_m + anatomy.forearm_m)) / 0.015
+        soft = [s if s > 30 else math.log1p(math.exp(s)) for s in short.tolist()]
+        lean += 1.3 * 0.015 * np.array(soft) / norm(spine)
+    leant = [_MAX_LEAN_RAD * math.tanh(x) for x in (lean / _MAX_LEAN_RAD).tolist()]
+    torso = _turns(1, np.array(leant)) @ held
+    torso_m = pivot + torso @ spine
+    return np.stack([torso_m + torso @ joint for joint in joints], axis=1)
+
+
+def _turns(axis: int, angles_rad: Floats) -> Floats:
+    """Rotations (n, 3, 3) about x, y or z, to the bit as `about_x`, `about_y`, `about_z`."""
+    c, s = (np.array([of(angle) for angle in angles_rad.tolist()]) for of in (math.cos, math.sin))
+    one, other = (axis + 1) % 3, (axis + 2) % 3
+    turns = np.zeros((len(angles_rad), 3, 3))
+    turns[:, axis, axis] = 1.0
+    turns[:, one, one] = turns[:, other, other] = c
+    turns[:, one, other], turns[:, other, one] = -s, s
+    return turns
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,15 +9,11 @@ import numpy as np
 
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
-from sim.person.kinematics import (
-    FARTHEST_BACK,
-    MAX_SWIVEL_RAD,
-    MAX_WRIST_BEND_RAD,
-    OUTWARD,
-    reach_limits,
-)
+from sim.person.elbow_circles import ElbowCircles, elbow_circles, within_reach_over
+from sim.person.kinematics import FARTHEST_BACK, MAX_SWIVEL_RAD, MAX_WRIST_BEND_RAD
 from sim.vectors import dots
 
+_UP = np.array([0.0, 0.0, 1.0])
 _BEND_LIMIT_RAD = MAX_WRIST_BEND_RAD + 1e-4
 
 
@@ -81,75 +77,26 @@ def _elbow(
 ) -> tuple[Floats, Floats]:
     """Wrists within reach, and elbows, (F, 3) each."""
     a, b = anatomy.upper_arm_m, anatomy.forearm_m
-    offset = palm_m - anatomy.wrist_to_palm_m * hand[:, :, 0] - shoulder_m
-    distance = np.sqrt(dots(offset, offset))
-    none = distance < 1e-9
-    offset[none], distance[none] = (1.0, 0.0, 0.0), 1.0
-    wrist = shoulder_m + offset * (np.clip(distance, *reach_limits(a, b)) / distance)[:, None]
-    offset = wrist - shoulder_m
-    d = np.sqrt(dots(offset, offset))
-    axis = offset / d[:, None]
-    along = (d * d + a * a - b * b) / (2.0 * d)
-    radius = np.sqrt(np.maximum(a * a - along * along, 0.0))
-    down = _hanging(side, axis)
-    down = down - dots(down, axis)[:, None] * axis
-    flat = np.sqrt(dots(down, down)) < 1e-3
-    down[flat] = np.cross(axis[flat], [0.0, 1.0, 0.0])
-    down /= np.sqrt(dots(down, down))[:, None]
-    outward = OUTWARD[side] * _cross(axis, down)
-    centre = shoulder_m + along[:, None] * axis
-    up = np.array([0.0, 0.0, 1.0])
+    wrist = within_reach_over(shoulder_m, palm_m - anatomy.wrist_to_palm_m * hand[:, :, 0], a, b)
+    circles = elbow_circles(side, shoulder_m, wrist, a, b)
     behind = dots(shoulder_m, forward) - a * FARTHEST_BACK
-    swivel = np.maximum(swivel_rad, _least_swivel(centre, radius, down, outward, up, elbow_above_m))
-    swivel = np.maximum(swivel, _least_swivel(centre, radius, down, outward, forward, behind))
-    turned = np.cos(swivel)[:, None] * down + np.sin(swivel)[:, None] * outward
-    return wrist, centre + radius[:, None] * turned
+    swivel = np.maximum(
+        swivel_rad, _least_swivel(circles, np.array([0.0, 0.0, 1.0]), elbow_above_m)
+    )
+    swivel = np.maximum(swivel, _least_swivel(circles, forward, behind))
+    return wrist, circles.elbows(np.cos(swivel), np.sin(swivel))
 
 
-def _least_swivel(
-    centre: Floats, radius: Floats, down: Floats, outward: Floats, way: Floats, level: Floats
-) -> Floats:
+def _least_swivel(circles: ElbowCircles, way: Floats, level: Floats) -> Floats:
     """`ElbowCircle.least_swivel_towards` (F,)."""
-    a = radius * dots(down, way)
-    b = radius * dots(outward, way)
-    need = level - dots(centre, way)
+    a = circles.radius_m * dots(circles.down, way)
+    b = circles.radius_m * dots(circles.outward, way)
+    need = level - dots(circles.centre_m, way)
     size = np.hypot(a, b)
     phase = np.arctan2(b, a) % (2.0 * math.pi)
     share = np.clip(need / np.maximum(size, 1e-300), -1.0, 1.0)
     crossing = np.where(need < size, phase - np.arccos(share), phase)
     return np.where(a >= need, 0.0, np.clip(crossing, 0.0, MAX_SWIVEL_RAD))
-
-
-def _hanging(side: int, axis: Floats) -> Floats:
-    x, z = axis[:, 0], axis[:, 2]
-    steep = np.maximum(0.0, np.abs(z) - 0.8) / 0.2
-    behind = _smooth((0.25 - x) / 0.5) * _smooth(z / 0.6)
-    still = 1.0 - behind
-    return np.stack(
-        [
-            still * np.copysign(steep, z) + 0.8 * behind,
-            0.6 * behind * OUTWARD[side],
-            still * (-1.0 + 0.7 * steep) + 0.2 * behind,
-        ],
-        axis=1,
-    )
-
-
-def _smooth(share: Floats) -> Floats:
-    s = np.clip(share, 0.0, 1.0)
-    return np.asarray(s * s * (3.0 - 2.0 * s))
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    """a x b of (F, 3) arrays."""
-    return np.stack(
-        [
-            a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1],
-            a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2],
-            a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0],
-        ],
-        axis=1,
-    )
 
 
 def _about(axis: Floats, angle: Floats) -> Floats:

@@ -38,19 +38,22 @@ def patch_of(classes: NDArray[np.uint8], target: int, within: Box, covered: bool
     if left >= right or top >= bottom:
         return None
     mask = (classes[top:bottom, left:right] == TARGET_PAINT + target).view(np.uint8)
-    sums = cv2.moments(mask, binaryImage=True)
-    n = sums["m00"]
+    # Not as a binary image, which takes twice as long; the central moments, whose last bit then
+    # depends on the library's build, are OpenCV's own sums of the spatial ones, which are whole.
+    sums = cv2.moments(mask)
+    n, m10, m01 = sums["m00"], sums["m10"], sums["m01"]
     if n == 0:
         return None
+    one = 1.0 / n
     x, y, width, height = cv2.boundingRect(mask)
     pieces = cv2.connectedComponents(mask)[0] - 1 if covered else 1
     return Patch(
         int(n),
-        sums["m10"] / n + left,
-        sums["m01"] / n + top,
-        sums["mu20"] / n,
-        sums["mu11"] / n,
-        sums["mu02"] / n,
+        m10 / n + left,
+        m01 / n + top,
+        (sums["m20"] - m10 * (m10 * one)) / n,
+        (sums["m11"] - m10 * (m01 * one)) / n,
+        (sums["m02"] - m01 * (m01 * one)) / n,
         (left + x, top + y, left + x + width, top + y + height),
         pieces,
     )

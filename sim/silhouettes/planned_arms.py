@@ -8,9 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pjpdaf.arrays import Bools, Floats
-from sim.anatomy import Anatomy
-from sim.contact.solids import Table
-from sim.motion.motion import Performer, elbow_floor
+from sim.motion.motion import Performer, elbow_floor_over
 from sim.motion.posture import HandsOver, posture_over
 from sim.motion.strokes import Wobble
 from sim.person.kinematics import OUTWARD
@@ -63,7 +61,7 @@ def planned_arms(performer: Performer, times_s: Sequence[float]) -> PlannedArms:
             palm,
             state.rotations,
             plan.swivel_rad + state.swivel_rad,
-            _elbow_floor_over(anatomy, table, palm),
+            elbow_floor_over(anatomy, table, palm),
             torso[:, :, 0],
         )
         arms.append(arm)
@@ -86,8 +84,3 @@ def _wobble_over(wobble: Wobble, times_s: Floats) -> Floats:
     """Displacements (F, 3)."""
     angles = (2.0 * np.pi * times_s)[:, None, None] * wobble.frequencies_hz + wobble.phases_rad
     return np.asarray((wobble.amplitudes_m * np.sin(angles)).sum(axis=1))
-
-
-def _elbow_floor_over(anatomy: Anatomy, table: Table, palms_m: Floats) -> Floats:
-    """`elbow_floor` of palms (F, 3)."""
-    return np.array([elbow_floor(anatomy, table, palm) for palm in palms_m])
