@@ -32,7 +32,11 @@ def test_failures_are_confirmed_first_and_the_worst_first(page) -> None:
     text = page.read_text(encoding="utf-8")
     titles = re.findall(r'<article class="failure" .*?</article>', text, re.S)
     marks = [re.findall(r'class="mark (\w+)"', title) for title in titles]
-    assert marks == [["yes"], ["yes"], [], ["no"]]
+    assert marks == [["yes"], ["yes"], ["no"], ["no"]]
+    assert [re.findall("not (in pictures|rendered)</span>", t) for t in titles[2:]] == [
+        ["rendered"],
+        ["in pictures"],
+    ]
     assert "40&nbsp;% of the frames wrong" in titles[0]
     assert titles[0].count("<img") == 6
     assert "left and right exchanged</em>" in titles[0]
@@ -88,6 +92,39 @@ def test_a_click_on_a_cell_and_on_a_strip_plays_the_episode(page, opened) -> Non
             return n; }"""
         )
         assert red > 200
+
+
+def test_no_word_hides_a_picture_of_a_strip(page, opened) -> None:
+    with opened(page, "html[data-thumbs=yes]", viewport={"width": 390, "height": 800}) as view:
+        overlaps = view.evaluate(
+            """() => [...document.querySelectorAll('.strip a')].map((a) => {
+            const end = a.querySelector('img').getBoundingClientRect().bottom;
+            const words = [...a.querySelectorAll('span, em')];
+            return Math.min(...words.map((w) => w.getBoundingClientRect().top)) - end; })"""
+        )
+    assert overlaps
+    assert min(overlaps) >= 0
+
+
+def test_the_names_of_the_lanes_are_whole(page, opened) -> None:
+    """Also in a font that is far wider than those of this machine."""
+    with opened(page, "html[data-thumbs=yes]", viewport={"width": 1200, "height": 800}) as view:
+        view.evaluate(
+            """() => {
+            const write = CanvasRenderingContext2D.prototype.fillText;
+            window.starts = [];
+            CanvasRenderingContext2D.prototype.fillText = function (text, x, y, most = Infinity) {
+                if (this.textAlign === 'right' && /[a-z]{4}/.test(text)) {
+                    this.letterSpacing = '9px';
+                    window.starts.push(x - Math.min(this.measureText(text).width, most));
+                    this.letterSpacing = '0px';
+                }
+                write.call(this, text, x, y);
+            }; }"""
+        )
+        view.click(".strip li:last-child a")
+        view.wait_for_function("window.starts.length > 0")
+        assert view.evaluate("Math.min(...window.starts)") >= 0
 
 
 def test_several_folders_go_on_one_page(stress_folder, tmp_path) -> None:
