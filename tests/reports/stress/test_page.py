@@ -10,6 +10,7 @@ import pytest
 from every_reader import faults
 
 from pjpdaf.errors import BenchError
+from reports.stress.load import load_stress
 from reports.stress.page import write_stress_page
 from scenarios.run.report import remake_report
 
@@ -50,6 +51,17 @@ def test_failures_are_confirmed_first_and_the_worst_first(page) -> None:
     assert "7 of 8 fresh noise seeds" in titles[0]
     assert "2 of 3 tried" not in text
     assert "2 of 3 confirmed in rendered pictures" in text
+
+
+def test_a_curve_counts_the_trials_that_are_in_it(page, stress_folder) -> None:
+    """Not those of cells that were split: their parts have trials of their own."""
+    (folder,) = load_stress([stress_folder])
+    assert folder.map is not None
+    counted = {sum(cell.n for cell in record.cells) for record in folder.map.maps}
+    assert not counted & {record.runs for record in folder.map.maps}
+    text = html.unescape(page.read_text(encoding="utf-8"))
+    shown = {int(n) for n in re.findall(r"(\d+) trials \(fast\)\. Bars", text)}
+    assert shown == counted - {0}
 
 
 def test_probabilities_and_comparison(page) -> None:
