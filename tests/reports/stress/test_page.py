@@ -151,6 +151,12 @@ def test_several_folders_go_on_one_page(stress_folder, tmp_path) -> None:
         remake_report([stress_folder / "episodes", stress_folder], tmp_path / "mixed.html")
 
 
+def test_a_stress_run_that_has_not_ended_is_told_so(tmp_path) -> None:
+    (tmp_path / "journal.bin").write_bytes(b"")
+    with pytest.raises(BenchError, match="is a stress run that has not ended, or of a verb with"):
+        remake_report([tmp_path], None)
+
+
 def test_it_is_for_every_reader(page, opened) -> None:
     with opened(page, "html[data-thumbs=yes]") as view:
         assert faults(view) == []
