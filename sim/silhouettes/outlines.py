@@ -46,6 +46,7 @@ class Outlines:
     target_boxes: list[tuple[Box, ...]]
     covered: list[list[bool]]
     other_skin: bool
+    skin_boxes: list[Box]
 
 
 def reduced_camera(camera: Camera, step_px: int) -> Camera:
@@ -104,6 +105,7 @@ def outlines_of(
         target_boxes,
         covered,
         bool((paints == BARE).any()),
+        _skin_boxes(paints, all_boxes, size),
     )
 
 
@@ -275,7 +277,6 @@ def _targets(
     spans: list[_Span | None], frames: int, size: tuple[int, int]
 ) -> tuple[list[tuple[Box, ...]], list[list[bool]]]:
     """Boxes of the targets, and whether a nearer shape's box overlaps them, per frame."""
-    height, width = size
     boxes: list[list[Box]] = []
     covers: list[NDArray[np.bool_]] = []
     for span in spans:
@@ -285,6 +286,22 @@ def _targets(
             continue
         covers.append(np.asarray((span.over & ~span.own).any(axis=1)))
         around = np.concatenate([np.floor(span.box[:2]) - 1, np.ceil(span.box[2:]) + 2])
-        inside = np.clip(around, 0, np.array([[width], [height], [width], [height]])).astype(int)
-        boxes.append(list(zip(*inside.tolist(), strict=True)))
+        boxes.append(_whole(around, size))
     return list(zip(*boxes, strict=True)), np.stack(covers, axis=1).tolist()
+
+
+def _skin_boxes(paints: NDArray[np.uint8], boxes: Floats, size: tuple[int, int]) -> list[Box]:
+    """A box around all skin of each frame."""
+    mine = boxes[:, :, paints >= BARE]
+    low, high = mine[:2].min(axis=2), mine[2:].max(axis=2)
+    # Corners of a round end lie up to 0.0427 of its radius outside it.
+    air = 4.0 + 0.05 * (high - low).max(axis=0)
+    low, high = 2.0 * np.floor((low - air) / 2.0), np.ceil(high + air)
+    return _whole(np.concatenate([low, high]), size)
+
+
+def _whole(boxes: Floats, size: tuple[int, int]) -> list[Box]:
+    """Boxes (4, F) of whole numbers, cut to the picture."""
+    height, width = size
+    inside = np.clip(boxes, 0, np.array([[width], [height], [width], [height]])).astype(int)
+    return list(zip(*inside.tolist(), strict=True))
