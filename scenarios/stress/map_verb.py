@@ -20,7 +20,7 @@ from scenarios.stress.case import Case, Trial, TrialResult
 from scenarios.stress.map.cells import MOST_CELLS, grid
 from scenarios.stress.map.explore import MapPlan, PlayedCell, axes_of, check_runs, explore
 from scenarios.stress.map.record import map_record
-from scenarios.stress.quarantine import name_quarantined
+from scenarios.stress.quarantine import name_quarantined, quarantine_fields
 from scenarios.stress.recording import Shown, record_episodes
 from scenarios.stress.space import Space
 from scenarios.stress.system_text import command_text, replay_command, system_text
@@ -63,14 +63,18 @@ def map_verb(request: MapRequest) -> None:
             records.append(record)
             shown += more
         record_episodes(campaign, shown)
-        file = MapFile(system=system_text(campaign.system), maps=tuple(records))
+        file = MapFile(
+            system=system_text(campaign.system),
+            maps=tuple(records),
+            **quarantine_fields(campaign),
+        )
         write_record(campaign.folder / "map.json", file)
         page = write_stress_page([campaign.folder], campaign.folder / "stress.html")
-        out = Console()
-        for record in records:
-            print_line(_summary(record), out)
-        print_line(f"page: {page}", out)
-        name_quarantined(campaign, out)
+    out = Console()
+    for record in records:
+        print_line(_summary(record), out)
+    print_line(f"page: {page}", out)
+    name_quarantined(campaign, out)
 
 
 def check_plan(plan: MapPlan) -> None:
@@ -145,6 +149,6 @@ def _summary(record: MapRecord) -> str:
     unplayed = f", {record.unplayed} without a result" if record.unplayed else ""
     return (
         f"{record.family}: {axes}, {count(len(record.cells), 'cell')}, "
-        f"{count(record.runs, 'run')} in {record.fidelity}{unplayed}; of the cells' trials: "
-        f"{shares or 'none failed'}"
+        f"{count(record.runs, 'run')} in {record.fidelity}; of the cells' "
+        f"{count(n + record.unplayed, 'trial')}: {shares or 'none failed'}{unplayed}"
     )

@@ -16,14 +16,14 @@ from reports.stress.records import SearchFile, write_record
 from reports.summary.text import count
 from scenarios.console.lines import print_command, print_line
 from scenarios.console.tables import print_table
-from scenarios.spec.corpus_case import corpus_files, load_corpus_case
+from scenarios.spec.corpus_case import corpus_files, load_corpus_case, numbered_label
 from scenarios.spec.suggestion import suggestion
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
 from scenarios.stress.case import Case, Fidelity
 from scenarios.stress.case_file import case_of, corpus_case, write_case
 from scenarios.stress.confirm import MOST_RUNS, Counterexample, choose, confirm
 from scenarios.stress.families import find_family
-from scenarios.stress.quarantine import name_quarantined
+from scenarios.stress.quarantine import name_quarantined, quarantine_fields
 from scenarios.stress.recording import record_episodes
 from scenarios.stress.search.evaluation import Evaluation, Evaluator
 from scenarios.stress.search.page_record import search_record, shown_failures, shown_measure
@@ -31,7 +31,7 @@ from scenarios.stress.search.record import KIND, VERSION, family_record
 from scenarios.stress.search.search import FamilySearch, SearchPlan, search_family
 from scenarios.stress.search.table import failure_table
 from scenarios.stress.space import Space
-from scenarios.stress.system_text import command_text, system_text
+from scenarios.stress.system_text import case_command, command_text, system_text
 from sim.files import written_whole_file
 
 MAX_BUDGET = 1_000_000
@@ -113,10 +113,10 @@ def search_verb(request: SearchRequest) -> None:
         results = [_with_files(campaign, result) for result in results]
         _write_record(campaign, results)
         page = _write_page(campaign, results, request.argv)
-        out = Console()
-        _print(campaign, results, out)
-        print_line(f"page: {page}", out)
-        name_quarantined(campaign, out)
+    out = Console()
+    _print(campaign, results, out)
+    print_line(f"page: {page}", out)
+    name_quarantined(campaign, out)
 
 
 def goals_of(text: str) -> tuple[Goal, ...]:
@@ -197,7 +197,8 @@ def _with_files(campaign: Campaign, result: FamilyFound) -> FamilyFound:
     folder = campaign.folder / "cases"
     folder.mkdir(exist_ok=True)
     for number, one in enumerate(result.found, start=1):
-        name = f"{find_family(one.case.family).name}_{one.measure}_{number}"
+        family = find_family(one.case.family).name
+        name = numbered_label(family, f"_{one.measure}_{number}")
         robustness = one.result.robustness
         if robustness is None or (one.full is not None and not one.confirmed):
             files.append(None)
@@ -255,12 +256,16 @@ def _write_page(campaign: Campaign, results: Sequence[FamilyFound], argv: Sequen
                 result.files,
                 result.fidelity,
                 episodes,
+                campaign.system,
                 result.fresh_runs,
             )
         )
     record_episodes(campaign, shown)
     file = SearchFile(
-        system=system_text(campaign.system), searches=tuple(records), command=command_text(argv)
+        system=system_text(campaign.system),
+        searches=tuple(records),
+        command=command_text(argv),
+        **quarantine_fields(campaign),
     )
     write_record(campaign.folder / "failures.json", file)
     return write_stress_page([campaign.folder], campaign.folder / "stress.html")
@@ -270,9 +275,11 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound], out: Console) -> 
     for result in results:
         search = result.search
         failed = sum(bool(e.result.failed) for e in search.evaluations)
+        lost = sum(e.result.robustness is None for e in search.evaluations)
         print_line(
             f"{search.space.family.name}: {result.runs_text}; "
-            f"{failed} of {count(len(search.evaluations), 'point')} fail, "
+            f"{failed} of {count(len(search.evaluations), 'point')} "
+            f"{'fails' if failed == 1 else 'fail'}, {f'{lost} without a result, ' * bool(lost)}"
             f"{count(len(search.failures), 'distinct failure')} (ended by {search.ended})",
             out,
         )
@@ -285,7 +292,7 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound], out: Console) -> 
         share = 100 * confirmed / len(rendered)
         print_line(f"confirmed in full: {confirmed} of {len(rendered)} ({share:.0f} %)", out)
     for result in results:
-        for path in result.files:
+        for one, path in zip(result.found, result.files, strict=True):
             if path is not None:
-                print_command(f"replay: pjpdaf-bench stress {path} replay", out)
+                print_command(f"replay: {case_command(path, one.case, campaign.system)}", out)
     print_line(f"search: {campaign.folder / 'search.json'}", out)

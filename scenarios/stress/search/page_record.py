@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from scenarios.stress.confirm import Counterexample
 from scenarios.stress.recording import Shown
 from scenarios.stress.search.search import FamilySearch
 from scenarios.stress.space import Space
+from scenarios.stress.system_text import case_command
 
 
 def search_record(
@@ -23,6 +23,7 @@ def search_record(
     files: Sequence[Path | None],
     fidelity: Fidelity,
     shown: Mapping[int, Shown],
+    system: System,
     fresh_runs: int = 0,
 ) -> SearchRecord:
     """A family's search; shown: by number, the failures whose episode the page plays.
@@ -38,7 +39,7 @@ def search_record(
         first=search.first_failure(),
         ended=search.ended,
         failures=tuple(
-            _failure(one, search.space, fidelity, file, shown.get(number))
+            _failure(one, search.space, fidelity, file, shown.get(number), system)
             for number, (one, file) in enumerate(zip(found, files, strict=True))
         ),
     )
@@ -65,6 +66,7 @@ def _failure(
     fidelity: Fidelity,
     file: Path | None,
     shown: Shown | None,
+    system: System,
 ) -> FailureRecord:
     robustness = one.result.robustness
     assert robustness is not None
@@ -89,7 +91,7 @@ def _failure(
         confirmed=None if one.full is None else one.confirmed,
         survived=(one.survival.failed, one.survival.of),
         blame=one.blame,
-        command="" if file is None else shlex.join(["pjpdaf-bench", "stress", str(file), "replay"]),
+        command="" if file is None else case_command(file, one.case, system),
         episode=None if shown is None else shown.key,
     )
 

@@ -1,8 +1,11 @@
 """The command `stress`: searches that are short, killed, and started again."""
 
 import json
+import os
+import pty
 import re
 import signal
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -93,3 +96,21 @@ def test_a_fault_is_one_line(words, fragment, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert_one_line(in_this_process("stress", *words), 2, fragment)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.long
+def test_a_terminal_keeps_no_progress_bar_above_the_table(tmp_path):
+    words = ("stress", "drink", "search", "--preset", "thesis", "--set", "frames=4", "--budget", 1)
+    ours, theirs = pty.openpty()
+    options = {"stdout": theirs, "stderr": theirs, "stdin": theirs}
+    process = started(*words, "--confirm", 0, "--jobs", 1, "--out", tmp_path / "s", **options)
+    os.close(theirs)
+    shown = b""
+    with suppress(OSError):  # the other end is closed
+        while part := os.read(ours, 4096):
+            shown += part
+    os.close(ours)
+    assert process.wait() == 0, shown
+    assert b"drink: search" in shown
+    # The last line of the bar is erased before the first of the figures.
+    assert shown.rindex(b"\x1b[2K") < shown.index(b"drink: 1 run in fast")
