@@ -16,7 +16,7 @@ from cmaes import CMA
 from pjpdaf.arrays import Floats
 from reports.score.robustness import GOALS, Goal
 from scenarios.stress.case import Case
-from scenarios.stress.search.design import corners, sobol
+from scenarios.stress.search.design import corners, spread
 from scenarios.stress.search.distinct import DistinctFailure, attribute, explained
 from scenarios.stress.search.evaluation import Evaluation
 from scenarios.stress.space import Space
@@ -80,7 +80,7 @@ def search_family(space: Space, evaluate: Evaluate, plan: SearchPlan) -> FamilyS
     name, d = space.family.name, len(space.axes)
     state.play([case for case in plan.known if case.family == name])
     state.play_points([space.unit_of_values(space.nominal()), *corners(d)[1:]])
-    points = sobol(d, plan.seed, f"stress/{name}")
+    points = spread(d, plan.seed, f"stress/{name}")
     while not state.ended:
         for _ in range(SOBOL_BLOCK // GENERATION):
             state.play_points(list(islice(points, GENERATION)))

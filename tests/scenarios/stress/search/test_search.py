@@ -1,6 +1,7 @@
 """The search on a made-up tracker whose failures are known exactly."""
 
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from reports.score.robustness import Robustness
 from scenarios.stress.case import Case, TrialResult
 from scenarios.stress.confirm import MOST_RUNS, choose
 from scenarios.stress.families import find_family
-from scenarios.stress.search.design import corners, sobol
+from scenarios.stress.search.design import corners, sobol, spread
 from scenarios.stress.search.distinct import DistinctFailure, Signature
 from scenarios.stress.search.evaluation import Evaluation
 from scenarios.stress.search.search import SearchPlan, search_family
@@ -55,6 +56,22 @@ def test_corners_show_every_pair_of_ends():
     for a in range(13):
         for b in range(a):
             assert len({*map(tuple, points[:, [a, b]])}) == 4
+
+
+def test_every_second_point_lies_on_an_edge_and_the_others_are_sobols():
+    plain, points, again = (
+        np.array(list(islice(make(8, 3, "x"), count)))
+        for make, count in ((sobol, 32), (spread, 64), (spread, 64))
+    )
+    np.testing.assert_array_equal(points, again)
+    np.testing.assert_array_equal(points[::2], plain)
+    edges = points[1::2]
+    at_end = (edges == 0.0) | (edges == 1.0)
+    # 256 coordinates of three quarters each: the band is 4 standard deviations.
+    assert 0.64 < at_end.mean() < 0.86
+    # Both ends of every axis turn up: every second point of one Sobol sequence has an axis in one
+    # half of its range.
+    assert ((edges == 0.0).any(axis=0) & (edges == 1.0).any(axis=0)).all()
 
 
 def test_sobol_is_the_same_again_and_other_for_another_seed():
