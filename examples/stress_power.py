@@ -1,8 +1,8 @@
 """What search and estimate are worth: runs to the first swap, error of p, shrinking, equal results.
 
     python examples/stress_power.py swaps --family bounce --preset thesis --rate 1e-3 --jobs 4
-    python examples/stress_power.py estimates --family examples/stress/wide_bounce.yaml \\
-        --preset thesis --plain 100000 --budget 3000 --campaigns 24 --jobs 4
+    python examples/stress_power.py estimates --family examples/stress/quick_clasp.yaml \\
+        --preset thesis --goal lost --set beard=no --plain 100000 --budget 3000 --campaigns 24 --jobs 4
     python examples/stress_power.py shrink CASE.yaml... --jobs 4
     python examples/stress_power.py workers --family cross
 
