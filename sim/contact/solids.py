@@ -14,7 +14,7 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
 from sim.person.kinematics import OUTWARD
-from sim.person.torso import torso_surface
+from sim.person.torso import torso_grid
 from sim.vectors import dots
 
 _UP = np.array([0.0, 0.0, 1.0])
@@ -117,7 +117,7 @@ _TRUNK_H = (-0.30, -0.030)  # of the stature: from the seat to where the shoulde
 @lru_cache(maxsize=64)
 def trunk(anatomy: Anatomy) -> Trunk:
     """The trunk of a person, from the surface that is drawn."""
-    vertices = torso_surface(anatomy).vertices_m
+    vertices = torso_grid(anatomy).reshape(-1, 3)
     low, high = (share * anatomy.stature_m for share in _TRUNK_H)
     heights = [z for z in np.unique(vertices[:, 2].round(6)).tolist() if low <= z <= high]
     sections = []
