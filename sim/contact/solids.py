@@ -33,7 +33,7 @@ class Slab:
         c, s = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         local = points_m @ turn if self.yaw_rad else points_m
-        beyond = local - np.clip(local, self.low_m, self.high_m)
+        beyond = local - local.clip(self.low_m, self.high_m)
         gap = np.sqrt(dots(beyond, beyond))
         # Inside, the nearest face: below all lower corners, above all upper corners, is negative.
         faces = np.concatenate([self.low_m - local, local - self.high_m], axis=1)
@@ -93,7 +93,7 @@ class Trunk:
     def push(self, points_m: Floats, radii_m: Floats) -> tuple[Floats, Floats]:
         """Depth (n,) [m] of round points (n, 3), (n,) and ways out (n, 3), torso frame."""
         z = points_m[:, 2]
-        level_z = np.clip(z, self.heights_m[0], self.heights_m[-1])
+        level_z = z.clip(self.heights_m[0], self.heights_m[-1])
         middle, depth, half = (
             np.interp(level_z, self.heights_m, column) for column in self.sections_m.T
         )
@@ -160,7 +160,7 @@ class Solids:
         along = self.ends_m - self.starts_m
         offset = points_m - self.starts_m[:, None]
         share = dots(offset, along[:, None]) / dots(along, along)[:, None]
-        away = offset - np.clip(share, 0.0, 1.0)[..., None] * along[:, None]
+        away = offset - share.clip(0.0, 1.0)[..., None] * along[:, None]
         distance = np.sqrt(dots(away, away))
         return (
             np.concatenate([[in_head, in_trunk], self.radii_m[:, None] + radii_m - distance]),
