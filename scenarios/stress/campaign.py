@@ -215,10 +215,14 @@ def open_campaign(request: CampaignRequest, total: int | None = None) -> Iterato
     ):
         if fidelity == "full":
             executor.renderers()  # raises where there is no OpenGL
-        runner = TrialRunner(executor, journal, request.time_limit_s, progress.on_result)
+        runner = TrialRunner(
+            executor, journal, request.time_limit_s, progress.on_result, lambda: arrived.arrived
+        )
         try:
             with arrived.raising():
                 yield Campaign(request, spaces, system, other, fidelity, folder, runner, progress)
+                if arrived.arrived:  # swallowed by a library: what it was doing may be half done
+                    raise KeyboardInterrupt
         except KeyboardInterrupt:
             raise Interrupted(f"interrupted: {_kept(journal, folder)}") from None
         except ClusterFault as fault:
