@@ -18,6 +18,11 @@ from scenarios.stress.families import find_family
 from sim.files import written_whole_file
 
 
+def can_be_file(case: Case) -> bool:
+    """Whether a case can be written as a case file: not with a file of the user's in it."""
+    return not any(isinstance(value, FileText) for value in case.values.values())
+
+
 def corpus_case(
     name: str, case: Case, system: System, measure: str, rho: float, status: str, note: str = ""
 ) -> CorpusCase:

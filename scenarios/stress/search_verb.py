@@ -11,27 +11,33 @@ from rich.console import Console
 
 from pjpdaf.errors import BenchError
 from reports.score.robustness import GOALS, Goal
+from reports.stress.load import EPISODES
 from reports.stress.page import write_stress_page
 from reports.stress.records import SearchFile, write_record
 from reports.summary.text import count
 from scenarios.console.lines import print_command, print_line
 from scenarios.console.tables import print_table
-from scenarios.spec.corpus_case import corpus_files, load_corpus_case, numbered_label
+from scenarios.spec.corpus_case import corpus_files, load_corpus_case
 from scenarios.spec.suggestion import suggestion
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
 from scenarios.stress.case import Case, Fidelity
-from scenarios.stress.case_file import case_of, corpus_case, write_case
+from scenarios.stress.case_file import can_be_file, case_of, corpus_case, write_case
 from scenarios.stress.confirm import MOST_RUNS, Counterexample, choose, confirm
-from scenarios.stress.families import find_family
 from scenarios.stress.quarantine import name_quarantined, quarantine_fields
 from scenarios.stress.recording import record_episodes
 from scenarios.stress.search.evaluation import Evaluation, Evaluator
-from scenarios.stress.search.page_record import search_record, shown_failures, shown_measure
+from scenarios.stress.search.page_record import (
+    failure_command,
+    failure_name,
+    search_record,
+    shown_failures,
+    shown_measure,
+)
 from scenarios.stress.search.record import KIND, VERSION, family_record
 from scenarios.stress.search.search import FamilySearch, SearchPlan, search_family
 from scenarios.stress.search.table import failure_table
 from scenarios.stress.space import Space
-from scenarios.stress.system_text import case_command, command_text, system_text
+from scenarios.stress.system_text import command_text, system_text
 from sim.files import written_whole_file
 
 MAX_BUDGET = 1_000_000
@@ -192,17 +198,16 @@ def _search(
 
 
 def _with_files(campaign: Campaign, result: FamilyFound) -> FamilyFound:
-    """Write a file for each case that was confirmed, or not rendered."""
+    """Write a file for each case that counts, but for those with a file of the user's in them."""
     files: list[Path | None] = []
     folder = campaign.folder / "cases"
     folder.mkdir(exist_ok=True)
     for number, one in enumerate(result.found, start=1):
-        family = find_family(one.case.family).name
-        name = numbered_label(family, f"_{one.measure}_{number}")
         robustness = one.result.robustness
-        if robustness is None or (one.full is not None and not one.confirmed):
+        if not one.counts or robustness is None or not can_be_file(one.case):
             files.append(None)
             continue
+        name = failure_name(one, number)
         measure = shown_measure(one)
         record = corpus_case(
             name,
@@ -247,7 +252,7 @@ def _write_page(campaign: Campaign, results: Sequence[FamilyFound], argv: Sequen
     """failures.json, the episodes of the failures that count, and stress.html."""
     records, shown = [], []
     for result in results:
-        episodes = shown_failures(result.found, result.files, campaign.system, result.fidelity)
+        episodes = shown_failures(result.found, campaign.system, result.fidelity)
         shown += list(episodes.values())
         records.append(
             search_record(
@@ -260,7 +265,7 @@ def _write_page(campaign: Campaign, results: Sequence[FamilyFound], argv: Sequen
                 result.fresh_runs,
             )
         )
-    record_episodes(campaign, shown)
+    record_episodes(campaign, shown, EPISODES)
     file = SearchFile(
         system=system_text(campaign.system),
         searches=tuple(records),
@@ -286,13 +291,14 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound], out: Console) -> 
         if result.found:
             print_table(failure_table(search.space.family.name, result.found), out)
     found = [one for result in results for one in result.found]
-    rendered = [one for one in found if one.full is not None]
+    rendered = [one for one in found if one.full and one.full.result.robustness is not None]
     if rendered:
         confirmed = sum(one.confirmed for one in rendered)
         share = 100 * confirmed / len(rendered)
         print_line(f"confirmed in full: {confirmed} of {len(rendered)} ({share:.0f} %)", out)
     for result in results:
         for one, path in zip(result.found, result.files, strict=True):
-            if path is not None:
-                print_command(f"replay: {case_command(path, one.case, campaign.system)}", out)
+            if one.counts:
+                command = failure_command(one, path, campaign.system, result.fidelity)
+                print_command(f"replay: {command}", out)
     print_line(f"search: {campaign.folder / 'search.json'}", out)

@@ -8,13 +8,16 @@ from pathlib import Path
 from reports.score.robustness import GOALS, measures_of
 from reports.stress.records import CaseRecord, ChangedValue, FailureRecord, Fidelity, SearchRecord
 from scenarios.play.job import System
+from scenarios.spec.corpus_case import numbered_label
+from scenarios.spec.parameters.file import contents
 from scenarios.spec.parameters.numeric import Numeric
 from scenarios.stress.case import Trial
 from scenarios.stress.confirm import Counterexample
+from scenarios.stress.families import find_family
 from scenarios.stress.recording import Shown
 from scenarios.stress.search.search import FamilySearch
 from scenarios.stress.space import Space
-from scenarios.stress.system_text import case_command
+from scenarios.stress.system_text import case_command, replay_command
 
 
 def search_record(
@@ -45,18 +48,30 @@ def search_record(
     )
 
 
+def failure_name(one: Counterexample, number: int) -> str:
+    """The name of a failure's case and episode."""
+    return numbered_label(find_family(one.case.family).name, f"_{one.measure}_{number}")
+
+
+def failure_command(
+    one: Counterexample, file: Path | None, system: System, fidelity: Fidelity
+) -> str:
+    """The command that plays a failure again: its file, or all its values where it has none."""
+    if file is not None:
+        return case_command(file, one.case, system)
+    return replay_command(Trial(one.case, system, fidelity if one.full is None else "full"))
+
+
 def shown_failures(
-    found: Sequence[Counterexample],
-    files: Sequence[Path | None],
-    system: System,
-    fidelity: Fidelity,
+    found: Sequence[Counterexample], system: System, fidelity: Fidelity
 ) -> dict[int, Shown]:
     """By number, the failures that count, as episodes for the page."""
     chosen: dict[int, Shown] = {}
-    for number, (one, file) in enumerate(zip(found, files, strict=True)):
-        if file is not None:
+    for number, one in enumerate(found):
+        if one.counts:
             played = fidelity if one.full is None else "full"
-            chosen[number] = Shown(file.stem, Trial(one.case, system, played))
+            name = failure_name(one, number + 1)
+            chosen[number] = Shown(name, Trial(one.case, system, played))
     return chosen
 
 
@@ -75,7 +90,9 @@ def _failure(
         measure=shown_measure(one),
         cell=one.failure.words,
         narrowed=one.failure.narrowed,
-        case=CaseRecord(family=one.case.family, values=dict(one.case.values), seed=one.case.seed),
+        case=CaseRecord(
+            family=one.case.family, values=dict(contents(one.case.values)), seed=one.case.seed
+        ),
         changed=tuple(
             ChangedValue(
                 name=name,
@@ -91,7 +108,7 @@ def _failure(
         confirmed=None if one.full is None else one.confirmed,
         survived=(one.survival.failed, one.survival.of),
         blame=one.blame,
-        command="" if file is None else case_command(file, one.case, system),
+        command=failure_command(one, file, system, fidelity) if one.counts else "",
         episode=None if shown is None else shown.key,
     )
 
