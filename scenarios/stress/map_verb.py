@@ -9,6 +9,7 @@ from rich.console import Console
 
 from pjpdaf.errors import BenchError
 from reports.score.robustness import GOALS
+from reports.stress.load import MAP_EPISODES
 from reports.stress.page import write_stress_page
 from reports.stress.records import EpisodeKey, MapFile, MapRecord, write_record
 from reports.stress.words import share_text
@@ -62,7 +63,7 @@ def map_verb(request: MapRequest) -> None:
             record, more = _mapped(campaign, space, request)
             records.append(record)
             shown += more
-        record_episodes(campaign, shown)
+        record_episodes(campaign, shown, MAP_EPISODES)
         file = MapFile(
             system=system_text(campaign.system),
             maps=tuple(records),

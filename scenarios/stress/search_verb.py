@@ -11,6 +11,7 @@ from rich.console import Console
 
 from pjpdaf.errors import BenchError
 from reports.score.robustness import GOALS, Goal
+from reports.stress.load import EPISODES
 from reports.stress.page import write_stress_page
 from reports.stress.records import SearchFile, write_record
 from reports.summary.text import count
@@ -264,7 +265,7 @@ def _write_page(campaign: Campaign, results: Sequence[FamilyFound], argv: Sequen
                 result.fresh_runs,
             )
         )
-    record_episodes(campaign, shown)
+    record_episodes(campaign, shown, EPISODES)
     file = SearchFile(
         system=system_text(campaign.system),
         searches=tuple(records),
@@ -290,7 +291,7 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound], out: Console) -> 
         if result.found:
             print_table(failure_table(search.space.family.name, result.found), out)
     found = [one for result in results for one in result.found]
-    rendered = [one for one in found if one.full is not None]
+    rendered = [one for one in found if one.full and one.full.result.robustness is not None]
     if rendered:
         confirmed = sum(one.confirmed for one in rendered)
         share = 100 * confirmed / len(rendered)

@@ -3,31 +3,17 @@
 from pathlib import Path
 
 import pytest
+from made_failures import evaluated, found
 
-from reports.score.robustness import Robustness
 from scenarios.play.job import System
 from scenarios.spec.parameters.file import FileText
 from scenarios.stress.case import Case, TrialFailure, TrialResult
 from scenarios.stress.case_file import can_be_file
-from scenarios.stress.confirm import Counterexample
-from scenarios.stress.search.distinct import DistinctFailure, Signature
 from scenarios.stress.search.evaluation import Evaluation
 from scenarios.stress.search.page_record import failure_command, failure_name, shown_failures
-from scenarios.stress.survival import Survival
 
 MINE = System("default", "mine:make")
 CLIP = FileText("a clip.csv", Path("/x/a clip.csv"), "0" * 64)
-
-
-def evaluated(case: Case, rho: float) -> Evaluation:
-    return Evaluation(
-        case, TrialResult("k", Robustness(rho, 1, 1, (1.0,) * 3, (0.1,) * 3, (-1,) * 6))
-    )
-
-
-def found(case: Case, full: Evaluation | None = None) -> Counterexample:
-    failure = DistinctFailure(Signature(case.family, "swap", ()), evaluated(case, -0.5), case)
-    return Counterexample(failure, case, Survival(4, 4), full)
 
 
 @pytest.mark.parametrize(
