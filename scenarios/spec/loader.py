@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from functools import lru_cache
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from scenarios.spec.faults import FileFault
+from scenarios.spec.faults import FileFault, Positions
 from scenarios.spec.scenario import Scenario
 from scenarios.spec.suite import Suite
 from scenarios.spec.validation import first_fault
@@ -23,12 +24,7 @@ R = TypeVar("R", bound=BaseModel)
 
 def load_scenario_file(path: Path | str) -> Scenario:
     """The scenario of a YAML file. Raises FileFault with the place of the first fault."""
-    return _scenario_of(read_text(path), str(path), Path(path).parent)
-
-
-@lru_cache(maxsize=16)  # stress asks for it with each trial, and YAML takes as long as an episode
-def _scenario_of(text: str, file: str, folder: Path) -> Scenario:
-    return parse(text, file, Scenario, folder)
+    return parse(read_text(path), str(path), Scenario, Path(path).parent)
 
 
 def load_suite_file(path: Path | str) -> Suite:
@@ -76,7 +72,7 @@ def parse(text: str, file: str, record: type[R], folder: Path | None = None) -> 
     """
     if folder is None:
         folder = (_PACKAGE / file).parent
-    data, positions = read_yaml(text, file)
+    data, positions = deepcopy(_yaml_of(text, file))  # validators may change it
     if not isinstance(data, dict):
         raise FileFault(file, (1, 1), f"must be a mapping of fields, got {describe_value(data)}")
     try:
@@ -85,3 +81,9 @@ def parse(text: str, file: str, record: type[R], folder: Path | None = None) -> 
     except ValidationError as error:
         fault = first_fault(error, data, positions, record)
         raise FileFault(file, fault.at, fault.message) from None
+
+
+@lru_cache(maxsize=16)  # stress asks for each trial's scenario, and YAML takes half as long as one
+def _yaml_of(text: str, file: str) -> tuple[Any, Positions]:
+    # The text alone: files that it names may have other content the next time.
+    return read_yaml(text, file)
