@@ -2,7 +2,7 @@
 
     python examples/stress_power.py swaps --family bounce --preset thesis --rate 1e-3 --jobs 4
     python examples/stress_power.py estimates --family examples/stress/quick_clasp.yaml \\
-        --preset thesis --goal lost --set beard=no --plain 100000 --budget 3000 --campaigns 24 --jobs 4
+        --preset thesis --goal lost --set beard=no --plain 100000 --budget 3000 --campaigns 24
     python examples/stress_power.py shrink CASE.yaml... --jobs 4
     python examples/stress_power.py workers --family cross
 

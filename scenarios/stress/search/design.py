@@ -12,7 +12,7 @@ from sim.randomness import generator
 
 CORNERS = 16
 SOBOL_LOG2 = 8  # 256 points, then as many more of another scrambling
-AT_END = 0.75  # probability that a coordinate of an edge's point lies at an end of its axis
+AT_END = 0.9  # probability that a coordinate of an edge's point lies at an end of its axis
 
 
 def corners(d: int, count: int = CORNERS) -> Floats:
