@@ -12,6 +12,7 @@ from scenarios.play.job import System
 from scenarios.spec.parameters.numeric import Numeric
 from scenarios.stress.case import Trial
 from scenarios.stress.confirm import Counterexample
+from scenarios.stress.drawn import drawn_space
 from scenarios.stress.recording import Shown
 from scenarios.stress.search.search import FamilySearch
 from scenarios.stress.space import Space
@@ -68,7 +69,9 @@ def _failure(
 ) -> FailureRecord:
     robustness = one.result.robustness
     assert robustness is not None
-    nominal = space.nominal()
+    signature = one.failure.signature
+    varied = drawn_space(space) if signature.drawn else space
+    nominal, values = varied.nominal(), one.failure.minimal.values
     return FailureRecord(
         measure=shown_measure(one),
         cell=one.failure.words,
@@ -77,11 +80,12 @@ def _failure(
         changed=tuple(
             ChangedValue(
                 name=name,
-                unit=_unit(space, name),
-                value=one.case.values[name],
+                unit=_unit(varied, name),
+                value=values[name],
                 nominal=nominal[name],
+                drawn=bool(signature.drawn),
             )
-            for name, _ in one.failure.signature.cell
+            for name, _ in signature.parts
         ),
         fidelity=fidelity if one.full is None else "full",
         rho=robustness.measures[shown_measure(one)],
