@@ -290,12 +290,10 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound], out: Console) -> 
         confirmed = sum(one.confirmed for one in rendered)
         share = 100 * confirmed / len(rendered)
         print_line(f"confirmed in full: {confirmed} of {len(rendered)} ({share:.0f} %)", out)
-    for name, value in _drawn_needed(results):
-        print_line(
-            f"{name} is drawn from the seed: --also {name} lets the search vary it, "
-            f"--set {name}={value} holds it",
-            out,
-        )
+    if needed := _drawn_needed(results):
+        also = " ".join(f"--also {name}" for name in needed)
+        held = " ".join(f"--set {name}={value}" for name, value in needed.items())
+        print_line(f"drawn values: {also} lets a search vary them, {held} holds them", out)
     for result in results:
         for path in result.files:
             if path is not None:
@@ -303,8 +301,8 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound], out: Console) -> 
     print_line(f"search: {campaign.folder / 'search.json'}", out)
 
 
-def _drawn_needed(results: Sequence[FamilyFound]) -> list[tuple[str, str]]:
-    """Names and nominal values of the drawn values that failures are known to need, each once."""
+def _drawn_needed(results: Sequence[FamilyFound]) -> dict[str, str]:
+    """The drawn values that failures are known to need: name -> nominal value."""
     needed: dict[str, str] = {}
     for search in (result.search for result in results):
         nominal = drawn_space(search.space).nominal()
@@ -312,4 +310,4 @@ def _drawn_needed(results: Sequence[FamilyFound]) -> list[tuple[str, str]]:
             if failure.narrowed:
                 names = (name for name, _ in failure.signature.drawn)
                 needed |= {name: value_text(nominal[name], "") for name in names}
-    return list(needed.items())
+    return needed
