@@ -24,7 +24,7 @@ def readonly(
     plain = isinstance(value, np.ndarray) and value.dtype == dtype  # most are: no need to look
     if not plain and np.iscomplexobj(value):
         raise ValueError(f"{name} must be real, got complex numbers")
-    array: NDArray[Any] = np.array(value, dtype=dtype)
+    array: NDArray[Any] = np.array(value) if plain else np.array(value, dtype=dtype)
     fits = array.shape == shape or (
         len(shape) == array.ndim
         and all(want is None or want == have for want, have in zip(shape, array.shape, strict=True))

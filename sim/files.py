@@ -79,7 +79,7 @@ def near_paths(path: Path) -> str:
     Only of the same ending; "" where there is none.
     """
     try:
-        beside = [one.name for one in path.absolute().parent.iterdir()]
+        beside = [one.name for one in path.absolute().parent.iterdir() if one.exists()]
     except OSError:
         return ""
     near = closest(path.name, [name for name in beside if Path(name).suffix == path.suffix])

@@ -70,7 +70,8 @@ class Lost:
     def death(self) -> str:
         """What happened to its worker, for messages; of a task that is not late."""
         code = "" if self.exit_code is None else f" (exit code {self.exit_code})"
-        return f"its worker died {self.attempts} times{code}"
+        times = "once" if self.attempts == 1 else f"{self.attempts} times"
+        return f"its worker died {times}{code}"
 
 
 class WorkerPool:
@@ -336,6 +337,8 @@ def sendable(fault: Exception) -> Exception:
 def _prepare_worker() -> None:
     for number in TERMINAL_SIGNALS:
         signal.signal(number, signal.SIG_IGN)
+    with suppress(OSError):  # where one is closed
+        os.dup2(2, 1)  # what plug-ins print must not stand among the figures on standard output
     threading.Thread(target=_end_with_parent, daemon=True).start()
     import cv2
 

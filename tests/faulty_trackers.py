@@ -50,6 +50,15 @@ class Hangs(Faulty):
         time.sleep(1000)
 
 
+class Prints(Faulty):
+    """Prints in every step."""
+
+    def step(self, state, seen, dt_s):
+        """Print, and step as the inner tracker does."""
+        print("a step")
+        return self.inner.step(state, seen, dt_s)
+
+
 class Waits(Faulty):
     """Never gives an estimate."""
 

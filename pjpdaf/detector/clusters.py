@@ -93,6 +93,6 @@ def kmeans(samples: np.ndarray, k: int) -> tuple[Ints, Floats]:
 
 def nearest_centre(points: Ints, centres: Floats) -> Ints:
     """Index of the nearest centre for each point (n, 2)."""
-    squared = ((points[:, None, :] - centres[None]) ** 2).sum(axis=-1)
-    nearest: Ints = np.argmin(squared, axis=1)
+    x, y = (points[:, axis] - centres[:, axis, None] for axis in (0, 1))
+    nearest: Ints = np.argmin(x * x + y * y, axis=0)
     return nearest

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from dataclasses import dataclass
 
 import cv2
@@ -104,15 +105,17 @@ def segments(mask: np.ndarray, min_area_px: float, merge_fragments: bool) -> Seg
     of_label = number[group]
     of_label[0] = -1
     # The smallest area is compared with these, and only with these.
-    compared = np.concatenate([areas[1:], total[1:]])
-    above_px = float(compared[compared < min_area_px].max(initial=-math.inf))
-    upto_px = float(compared[compared >= min_area_px].min(initial=math.inf))
+    compared = sorted([-math.inf, *areas[1:].tolist(), *total[1:].tolist(), math.inf])
+    least = bisect_left(compared, min_area_px)
+    above_px, upto_px = float(compared[least - 1]), float(compared[least])
     if len(kept) == 0:
         nothing = np.zeros((0, 2), np.intp), np.zeros(0, np.intp)
         return Segments(*nothing, 0, size, above_px, upto_px)
     component = of_label[label]
-    points = np.column_stack([columns + x0, rows + y0])
-    if (of_label[1:] < 0).any():
+    points = np.empty((len(at), 2), np.intp)
+    np.add(columns, x0, out=points[:, 0])
+    np.add(rows, y0, out=points[:, 1])
+    if -1 in of_label[1:].tolist():
         inside = component >= 0
         points, component = points[inside], component[inside]
     return Segments(points, component, len(kept), size, above_px, upto_px)

@@ -39,6 +39,8 @@ def describe_exception(fault: BaseException) -> str:
     # Where all of it is installed, the deepest place is all there is.
     last = (theirs or stack)[-1:]
     place = f" ({Path(last[0].filename).name}:{last[0].lineno})" if last else ""
+    if isinstance(fault, SyntaxError):  # its text has the place; the stack is Python's own
+        place = ""
     return f"{type(fault).__name__}{': ' if text else ''}{text[:200]}{place}"
 
 

@@ -38,6 +38,8 @@ def override(
     A key is a flat name, or one with 'detector.' or 'tracker.' before it. Raises BadParameter with
     the choices and the nearest name, or those of the `others` that have the parameter.
     """
+    if not values:
+        return preset
     changes: dict[str, dict[str, object]] = {"detector": {}, "tracker": {}}
     names = {
         "detector": flat_names(type(preset.detector)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pjpdaf.errors import BenchError
@@ -16,13 +16,17 @@ from reports.stress.records import (
     read_record,
 )
 
-EPISODES = "episodes"
+EPISODES = "episodes"  # that a search shows
+MAP_EPISODES = "map_episodes"  # of a map: both verbs may have the same folder
 FILES = ("failures.json", "map.json", "estimate.json", "compare.json")
 
 
 @dataclass(frozen=True, eq=False)
 class StressFolder:
-    """What is in a folder of a stress run; a verb that was not run there has no file."""
+    """What is in a folder of a stress run; a verb that was not run there has no file.
+
+    episodes: those that the page plays.
+    """
 
     folder: Path
     search: SearchFile | None
@@ -39,18 +43,29 @@ def is_stress_folder(folder: Path) -> bool:
 
 def load_stress(folders: Sequence[Path]) -> list[StressFolder]:
     """Read folders. Raises BenchError naming the file that is missing, damaged or foreign."""
-    return [_load(folder) for folder in folders]
+    return [loaded for folder in folders for loaded in _load(folder)]
 
 
-def _load(folder: Path) -> StressFolder:
+def _load(folder: Path) -> list[StressFolder]:
+    """What is in a folder; its map apart, with the episodes of its own."""
     if not is_stress_folder(folder):
         raise BenchError(f"{folder}: is no folder of a stress run: it has none of {FILES}.")
-    episodes = folder / EPISODES
-    return StressFolder(
+    mapped = read_record(folder / "map.json", MapFile)
+    all_of_it = StressFolder(
         folder,
         read_record(folder / "failures.json", SearchFile),
-        read_record(folder / "map.json", MapFile),
+        mapped,
         read_record(folder / "estimate.json", EstimateFile),
         read_record(folder / "compare.json", CompareFile),
-        load(episodes) if (episodes / "run.json").is_file() else None,
+        _episodes(folder / EPISODES),
     )
+    episodes = _episodes(folder / MAP_EPISODES)
+    if mapped is None or episodes is None:
+        return [all_of_it]
+    others = replace(all_of_it, map=None)
+    own = StressFolder(folder, None, mapped, None, None, episodes)
+    return [others, own] if others.search or others.estimate or others.compare else [own]
+
+
+def _episodes(folder: Path) -> SavedRun | None:
+    return load(folder) if (folder / "run.json").is_file() else None

@@ -54,14 +54,16 @@ def build_stress_page(folders: Sequence[StressFolder]) -> str:
         for search in source.search.searches
     ]
     systems = list(dict.fromkeys(_systems(folders)))
+    lost = _lost(folders)
     return rendered(
         "stress.html.j2",
         css=styles("player.css", "stage.css", "stress.css"),
         scripts=[*shared_scripts(), script(*PLAYER)],
         title=f"Stress test: {', '.join(systems)}",
         systems=systems,
-        outcome="bad" if cards else "good" if searches else "",
+        outcome="bad" if cards else "good" if searches and not lost else "",
         verdicts=[*_verdicts(searches, cards, estimates), *_mapped(folders)][:MOST_VERDICTS],
+        lost=lost,
         tiles=_tiles(folders, searches, cards, estimates),
         searches=searches,
         cards=cards,
@@ -193,6 +195,16 @@ def _verdicts(searches: Any, cards: Sequence[FailureCard], estimates: Probabilit
             name = f"{system}: " if len({s for s, _ in estimates.columns}) > 1 else ""
             lines.append(f"{name}{headline(goal)} is highest in {family}: {text}.")
     return lines
+
+
+def _lost(folders: Sequence[StressFolder]) -> str:
+    """How many runs gave no result, and why the first did not; "" where all did."""
+    files = [file for f in folders for file in (f.search, f.map, f.estimate, f.compare) if file]
+    lost = [file for file in files if file.without_result]
+    if not lost:
+        return ""
+    runs = count(sum(file.without_result for file in lost), "run")
+    return f"{runs} without a result, left out of all figures; the first: {lost[0].first_fault}"
 
 
 def _tiles(

@@ -204,10 +204,15 @@ class CompareRecord(Record):
 
 
 class StressFile(Record):
-    """A file of a verb. system: the system under test in words."""
+    """A file of a verb. system: the system under test in words.
+
+    without_result: runs in which a plug-in raised, hung or died; first_fault: of the first.
+    """
 
     schema_version: Literal[1] = SCHEMA_VERSION
     system: str
+    without_result: Annotated[Count, Field(exclude_if=lambda n: n == 0)] = 0
+    first_fault: Annotated[str, Field(exclude_if=lambda text: not text)] = ""
 
 
 class SearchFile(StressFile):

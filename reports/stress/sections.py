@@ -82,7 +82,10 @@ class FailureCard:
 
 @dataclass(frozen=True)
 class Drawing:
-    """A map or curve of a family; sparse: no trial failed, so that there is nothing to see."""
+    """A map or curve of a family.
+
+    sparse: no trial failed, so that there is nothing to see; trials: of the cells that it shows.
+    """
 
     family: str
     system: str
@@ -90,6 +93,7 @@ class Drawing:
     record: MapRecord | None
     chart: Markup
     sparse: bool = False
+    trials: int = 0
 
 
 @dataclass(frozen=True)
@@ -162,7 +166,10 @@ def curves(folders: Sequence[PlayedFolder]) -> list[Drawing]:
                 name = shown.x.name.replace("_", " ")
                 chart = speed_curves(shown, folder.links(record.goal))
                 title = f"{record.family}: failures over {name}{pooled}"
-                drawings.append(Drawing(record.family, source.system, title, shown, chart))
+                trials = sum(cell.n for cell in record.cells)
+                drawings.append(
+                    Drawing(record.family, source.system, title, shown, chart, trials=trials)
+                )
         hidden = _pooled(source.maps)
         if any(point.lost for point in hidden):
             chart = occluded_curve(hidden)

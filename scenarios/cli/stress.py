@@ -16,16 +16,25 @@ from scenarios.cli.options import Cluster, Jobs, PlugInName, PresetName
 if TYPE_CHECKING:  # the verbs import it when they run: `--help` is quick
     from scenarios.stress.campaign import CampaignRequest
 
-_VERBS = ("promote",)  # may also stand before the case
+# Of `scenarios.stress.families`, which `--help` does not import; a test holds them equal.
+FAMILY_NAMES = (
+    *("cross", "bounce", "merge_and_hold", "drink", "both_hands_to_head", "mirror", "parallel"),
+    *("fast_finish", "one_view_occluder", "object_splits_hand", "roll_forearms", "recorded"),
+    "nuisances",
+)
 
 
 class TargetFirst(SentenceGroup):
-    """`stress FAMILY VERB`; `stress promote CASE` as well."""
+    """`stress FAMILY VERB`; `stress VERB FAMILY` as well."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Put the target first."""
-        if len(args) > 1 and args[0] in _VERBS and not args[1].startswith("-"):
-            args = [args[1], args[0], *args[2:]]
+        verbs = self.list_commands(ctx)
+        if len(args) > 1 and args[0] in verbs and args[1] not in verbs:
+            if "--help" in args:  # of the verb, whatever the target
+                args = ["all", args[0], "--help"]
+            elif not args[1].startswith("-"):
+                args = [args[1], args[0], *args[2:]]
         return super().parse_args(ctx, args)
 
 
@@ -60,6 +69,14 @@ Seed = Annotated[int, typer.Option(help="The seed of the whole campaign.")]
 StressOut = Annotated[
     Path | None, typer.Option(help="Folder of the results [runs/stress-FAMILY-VERB-DIGEST].")
 ]
+CaseDetector = Annotated[
+    str | None,
+    typer.Option(help="Instead of the case's; also to allow its module:factory, which is code."),
+]
+CaseTracker = Annotated[
+    str | None,
+    typer.Option(help="Likewise; that of a preset brings its detector."),
+]
 TimeLimit = Annotated[float, typer.Option(help="How long one episode may take [s].")]
 
 
@@ -70,8 +87,8 @@ def _target(
         str,
         typer.Argument(
             metavar="FAMILY|all|CASE.yaml",
-            help="What to stress: families with commas between them (names, scenario files, "
-            "module:factory of a motion), or a case.",
+            help=f"What to stress: families with commas between them ({', '.join(FAMILY_NAMES)}; "
+            "any other scenario, a scenario file, module:factory of a motion), or a case.",
         ),
     ],
 ) -> None:
@@ -186,6 +203,8 @@ def search(
 def shrink(
     ctx: typer.Context,
     fresh: Annotated[int, typer.Option(help="Further noise seeds for the survival rates.")] = 100,
+    detector: CaseDetector = None,
+    tracker: CaseTracker = None,
     fidelity: FidelityName = None,
     seed: Seed = 0,
     jobs: Jobs = None,
@@ -210,7 +229,7 @@ def shrink(
         out=out,
         time_limit_s=time_limit,
     )
-    shrink_verb(ShrinkRequest(campaign, Path(ctx.obj), fresh))
+    shrink_verb(ShrinkRequest(campaign, Path(ctx.obj), fresh, detector, tracker))
 
 
 @app.command("replay")
@@ -225,12 +244,18 @@ def replay(
         ),
     ] = None,
     seed: Annotated[int | None, typer.Option(help="Another noise seed [the file's; 0].")] = None,
-    detector: PlugInName = None,
-    tracker: PlugInName = None,
-    fidelity: FidelityName = None,
+    preset: Annotated[
+        str | None, typer.Option(help="Detector and tracker of this preset [the file's; default].")
+    ] = None,
+    detector: CaseDetector = None,
+    tracker: CaseTracker = None,
+    fidelity: Annotated[
+        str | None, typer.Option(help="fast: without pictures; full: rendered [full].")
+    ] = None,
     film: Annotated[
         Path | None, typer.Option(metavar="OUT.mp4", help="Film it, estimates and truth drawn in.")
     ] = None,
+    time_limit: TimeLimit = 900.0,
 ) -> None:
     """Play a case again: CASE.yaml, or a FAMILY with values. The same case gives the same bytes."""
     from scenarios.stress.replay import ReplayRequest, replay_verb
@@ -240,10 +265,11 @@ def replay(
             ctx.obj,
             tuple(settings or ()),
             seed,
-            detector,
-            tracker,
+            detector or preset,
+            tracker or preset,
             fidelity_named(fidelity) or "full",
             film,
+            time_limit,
         )
     )
 
@@ -258,8 +284,12 @@ def promote(
     fixed: Annotated[
         bool, typer.Option("--fixed", help="Put it in as fixed: it must not fail any more.")
     ] = False,
+    detector: CaseDetector = None,
+    tracker: CaseTracker = None,
 ) -> None:
     """Put CASE.yaml into the corpus, if it fails when it is rendered."""
     from scenarios.stress.replay import promote as put_in
 
-    typer.echo(f"corpus: {put_in(Path(ctx.obj), name, corpus, 'fixed' if fixed else 'open')}")
+    status = "fixed" if fixed else "open"
+    put = put_in(Path(ctx.obj), name, corpus, status, detector, tracker)
+    typer.echo(f"corpus: {put}")

@@ -12,6 +12,7 @@ from scenarios.execute.executor import Executor
 from sim.processes import WorkerPool
 
 PLAYED_WITH = ("scenarios.execute.episodes",)  # imported once, before workers are forked
+MAX_TIME_LIMIT_S = 86_400.0
 
 
 def worker_count(jobs: int | None) -> int:
@@ -30,6 +31,14 @@ def worker_count(jobs: int | None) -> int:
             f"{count(cores, 'core')}"
         )
     return jobs
+
+
+def check_time_limit(limit_s: float) -> None:
+    """Raise BenchError for a `--time-limit` that no episode can have."""
+    if not 0 < limit_s <= MAX_TIME_LIMIT_S:
+        raise BenchError(
+            f"--time-limit must be above 0 s, at most {MAX_TIME_LIMIT_S:g}, got {limit_s:g}"
+        )
 
 
 @contextmanager

@@ -50,7 +50,9 @@ class CaseOutcome:
         case = self.case
         rho = "no result" if self.rho is None else f"rho {self.rho:+.2f}"
         outcome = f"{case.event} {'again' if self.fails else 'does not happen'} ({rho})"
-        return f"{case.name}: {case.status} for {case.tracker}: {outcome}"
+        other = self.system.tracker
+        by = "" if other == case.tracker else f" with {other}"
+        return f"{case.name}: {case.status} for {case.tracker}: {outcome}{by}"
 
 
 def outcomes_of(
@@ -89,8 +91,8 @@ def refuse_regressions(outcomes: Sequence[CaseOutcome]) -> None:
     broken = [o for o in outcomes if o.regression]
     if broken:
         raise FixedCaseFails(
-            f"{count(len(broken), 'fixed case')} of the corpus fail again, the first: "
-            f"{broken[0].text}"
+            f"{count(len(broken), 'fixed case')} of the corpus "
+            f"{'fails' if len(broken) == 1 else 'fail'} again, the first: {broken[0].text}"
         )
 
 

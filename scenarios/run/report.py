@@ -12,6 +12,7 @@ from reports.run.load import load
 from reports.stress.load import is_stress_folder
 from reports.stress.page import write_stress_page
 from scenarios.console.progress import progress
+from scenarios.execute.journal import FILE as JOURNAL
 
 
 def remake_report(
@@ -43,6 +44,12 @@ def _write(run_folders: Sequence[Path], out: Path | None, baseline: Path | None)
             f"{run_folders[stressed.index(True)]}: is a stress run, which no page shows beside "
             "runs of other verbs"
         )
+    for folder in run_folders:
+        if (folder / JOURNAL).is_file():
+            raise BenchError(
+                f"{folder}: is a stress run that has not ended, or of a verb without a page; "
+                "the command that began it goes on from there"
+            )
     saved = [load(folder) for folder in run_folders]
     for run in saved:
         if run.slim:

@@ -6,7 +6,6 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from pjpdaf.errors import BenchError
 from pjpdaf.plugins.loading import allow_plug_ins_from_here
 from pjpdaf.presets.registry import find_preset
 from reports.run.rows import EpisodeRows
@@ -17,6 +16,7 @@ from scenarios.console.progress import progress
 from scenarios.execute.episodes import PlayResults, play_all
 from scenarios.execute.executor import ClusterFault, Executor
 from scenarios.execute.isolated import try_plug_ins
+from scenarios.execute.local import check_time_limit
 from scenarios.execute.place import Place, executor_at, place_of
 from scenarios.execute.software import PlugIns
 from scenarios.play.footage import plugged_motions
@@ -26,8 +26,6 @@ from scenarios.play.plan import plan
 from scenarios.run.finish import finish_run
 from scenarios.run.request import REQUEST, RunRequest, read_request, resume_command
 from scenarios.run.unfinished import UnfinishedRun, reserved, unfinished_run
-
-MAX_TIME_LIMIT_S = 86_400.0
 
 
 def run_suite(request: RunRequest) -> None:
@@ -51,11 +49,7 @@ def run_suite(request: RunRequest) -> None:
 
 def planned(request: RunRequest) -> list[Job]:
     """The episodes of a request, once its plug-ins are tried. Raises BenchError."""
-    if not 0 < request.time_limit_s <= MAX_TIME_LIMIT_S:
-        raise BenchError(
-            f"--time-limit must be above 0 s, at most {MAX_TIME_LIMIT_S:g}, got "
-            f"{request.time_limit_s:g}"
-        )
+    check_time_limit(request.time_limit_s)
     find_preset(request.preset)
     wanted = request.plan
     allow_plug_ins_from_here(wanted.detector, wanted.tracker)

@@ -19,7 +19,9 @@ from scenarios.spec.yaml_reader import read_yaml
 
 FORMAT = 1  # of the files
 CORPUS = "corpus"
-Label = Annotated[str, Strict(), Field(pattern=r"^[a-z][a-z0-9_.@+-]*$", max_length=60)]
+MOST_LABEL = 60  # characters
+LABEL = rf"^[a-z][a-z0-9_.@+-]{{0,{MOST_LABEL - 1}}}$"
+Label = Annotated[str, Strict(), Field(pattern=r"^[a-z][a-z0-9_.@+-]*$", max_length=MOST_LABEL)]
 
 
 class CorpusCase(Record):
@@ -64,6 +66,11 @@ class CorpusEntry(SuiteEntry):
     digest: Text = ""
 
 
+def numbered_label(name: str, end: str) -> str:
+    """A name for a file: `name`, shortened where it is too long, and `end`."""
+    return name[: MOST_LABEL - len(end)] + end
+
+
 def corpus_folder() -> Path:
     """The folder of the shipped corpus files."""
     return Path(str(files("scenarios") / CORPUS))
@@ -89,9 +96,9 @@ def load_corpus_case(path: Path | str) -> CorpusCase:
 
 
 def is_corpus_file(path: Path | str) -> bool:
-    """Whether a YAML file is a corpus file, by its fields. Raises FileFault."""
+    """Whether a YAML file is a corpus file, though perhaps not a whole one. Raises FileFault."""
     data, _ = read_yaml(read_text(path), str(path))
-    return isinstance(data, dict) and "event" in data and "digest" in data
+    return isinstance(data, dict) and len({"event", "digest", "status"} & data.keys()) > 1
 
 
 def corpus_suite(cases: Iterable[CorpusCase]) -> Suite:

@@ -26,6 +26,7 @@ from scenarios.execute.code_digest import NO_TRIAL, code_digest, plug_in_digest
 from scenarios.execute.executor import ClusterFault
 from scenarios.execute.isolated import try_plug_ins
 from scenarios.execute.journal import Journal
+from scenarios.execute.local import check_time_limit
 from scenarios.execute.place import executor_at, place_of
 from scenarios.execute.software import PlugIns
 from scenarios.play.fast_trust import fast_trust
@@ -46,7 +47,6 @@ from scenarios.stress.trials import TIME_LIMIT_S, TrialRunner
 from sim.motion.stage import Value
 
 ALL = "all"
-MAX_TIME_LIMIT_S = 86_400.0
 MAX_RUNS = 10_000_000
 
 
@@ -151,6 +151,8 @@ def families_of(target: str) -> tuple[StressFamily, ...]:
     if target == ALL:
         return tuple(FAMILIES.values())
     names = [name.strip() for name in target.split(",")]
+    if ALL in names:
+        raise BenchError(f"{ALL}: has every family in it; name no other beside it")
     for name in names:
         if is_path(name) and is_corpus_file(name):
             raise BenchError(
@@ -166,7 +168,10 @@ def spaces_of(request: CampaignRequest) -> tuple[Space, ...]:
     """The space of each family of a request. Raises BenchError where none has a parameter."""
     families = families_of(request.target)
     settings = read_settings(request.settings).scenario
-    ranges = dict(_range(text) for text in request.ranges)
+    ranges = _ranges(request.ranges)
+    for name in (*ranges, *request.also):
+        if name in settings:
+            raise BenchError(f"{name}: --set holds it, so that it cannot vary too; leave one out")
     spaces = []
     for family in families:
         many = len(families) > 1
@@ -189,11 +194,7 @@ def open_campaign(request: CampaignRequest, total: int | None = None) -> Iterato
     request, all before anything is played, and Interrupted after a signal: the same command goes
     on then.
     """
-    if not 0 < request.time_limit_s <= MAX_TIME_LIMIT_S:
-        raise BenchError(
-            f"--time-limit must be above 0 s, at most {MAX_TIME_LIMIT_S:g}, got "
-            f"{request.time_limit_s:g}"
-        )
+    check_time_limit(request.time_limit_s)
     if not 0 <= request.seed < 2**31:
         raise BenchError(f"--seed must be between 0 and {2**31 - 1}, got {request.seed}")
     spaces = spaces_of(request)
@@ -214,10 +215,14 @@ def open_campaign(request: CampaignRequest, total: int | None = None) -> Iterato
     ):
         if fidelity == "full":
             executor.renderers()  # raises where there is no OpenGL
-        runner = TrialRunner(executor, journal, request.time_limit_s, progress.on_result)
+        runner = TrialRunner(
+            executor, journal, request.time_limit_s, progress.on_result, lambda: arrived.arrived
+        )
         try:
             with arrived.raising():
                 yield Campaign(request, spaces, system, other, fidelity, folder, runner, progress)
+                if arrived.arrived:  # swallowed by a library: what it was doing may be half done
+                    raise KeyboardInterrupt
         except KeyboardInterrupt:
             raise Interrupted(f"interrupted: {_kept(journal, folder)}") from None
         except ClusterFault as fault:
@@ -286,6 +291,15 @@ def _has(family: StressFamily, name: str) -> bool:
     except BenchError:
         return name in family.scenario.parameters or name in SETTINGS
     return True
+
+
+def _ranges(texts: Sequence[str]) -> dict[str, tuple[str, str]]:
+    ranges: dict[str, tuple[str, str]] = {}
+    for name, ends in map(_range, texts):
+        if name in ranges:
+            raise BenchError(f"--range {name}: given twice")
+        ranges[name] = ends
+    return ranges
 
 
 def _range(text: str) -> tuple[str, tuple[str, str]]:

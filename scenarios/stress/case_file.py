@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 from pjpdaf.errors import BenchError, NotComparable
+from pjpdaf.presets.registry import PRESETS
 from scenarios.play.job import System
 from scenarios.play.settings import read_settings
 from scenarios.spec.corpus_case import FORMAT, CorpusCase, load_corpus_case
+from scenarios.spec.motion.plugged import is_code
 from scenarios.spec.names import is_path
 from scenarios.spec.parameters.file import FileText
 from scenarios.stress.case import Case
 from scenarios.stress.families import find_family
 from sim.files import written_whole_file
+
+
+def can_be_file(case: Case) -> bool:
+    """Whether a case can be written as a case file: not with a file of the user's in it."""
+    return not any(isinstance(value, FileText) for value in case.values.values())
 
 
 def corpus_case(
@@ -23,8 +31,6 @@ def corpus_case(
     for key, value in job.overrides.items():
         if isinstance(value, FileText):
             raise BenchError(f"{key}: a case with a file of yours cannot be written as a case file")
-    settings = [f"detector.{k}={v}" for k, v in system.detector_settings.items()]
-    settings += [f"tracker.{k}={v}" for k, v in system.tracker_settings.items()]
     return CorpusCase.model_validate(
         {
             "format": FORMAT,
@@ -40,7 +46,7 @@ def corpus_case(
             "status": status,
             "detector": system.detector,
             "tracker": system.tracker,
-            "settings": tuple(settings),
+            "settings": settings_of(system),
             "note": note,
         }
     )
@@ -58,6 +64,36 @@ def system_of(record: CorpusCase) -> System:
     return System(record.detector, record.tracker, settings.detector, settings.tracker)
 
 
+def system_to_play(
+    record: CorpusCase, path: Path, detector: str | None = None, tracker: str | None = None
+) -> System:
+    """The system to play a case with: that of its file, but for what the user names.
+
+    A preset's tracker brings its detector; settings stay with what the file names. A file names no
+    code that is run: a plug-in must be named by the user as well. Raises BenchError.
+    """
+    filed = system_of(record)
+    named = {"tracker": tracker, "detector": detector or (tracker if tracker in PRESETS else None)}
+    for kind, name in (("tracker", filed.tracker), ("detector", filed.detector)):
+        if named[kind] is None and is_code(name):
+            raise BenchError(
+                f"{path}: names the {kind} {name}; give --{kind} {name} too, as it is code, and a "
+                "file alone starts none"
+            )
+    chosen = System(named["detector"] or filed.detector, named["tracker"] or filed.tracker)
+    return dataclasses.replace(
+        chosen,
+        detector_settings=filed.detector_settings if chosen.detector == filed.detector else {},
+        tracker_settings=filed.tracker_settings if chosen.tracker == filed.tracker else {},
+    )
+
+
+def settings_of(system: System) -> tuple[str, ...]:
+    """The changed parameters of a system as arguments of `--set`."""
+    settings = [f"detector.{k}={v}" for k, v in system.detector_settings.items()]
+    return (*settings, *(f"tracker.{k}={v}" for k, v in system.tracker_settings.items()))
+
+
 def load_case(path: Path) -> CorpusCase:
     """The record of a file, proved to be the episode that it was.
 
@@ -67,6 +103,12 @@ def load_case(path: Path) -> CorpusCase:
     if not is_path(str(path)) and not path.exists():
         raise BenchError(f"{path}: is not a case file, such as `stress {path} search` writes")
     record = load_corpus_case(path)
+    scenario = find_family(record.family).scenario_name
+    if record.scenario != scenario:
+        raise BenchError(
+            f"{path}: scenario: must be {scenario}, as that is the scenario of the family "
+            f"{record.family}, got {record.scenario[:60]}"
+        )
     case = case_of(record)
     if case.digest != record.digest:
         now = find_family(record.family).scenario.version

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from rich.console import Console
 from rich.table import Table
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import BenchError, InfrastructureError
 from reports.score.robustness import Goal, measures_of
 from reports.stress.page import write_stress_page
 from reports.stress.records import CompareFile, CompareRecord, MapRecord, write_record
@@ -23,7 +23,7 @@ from scenarios.stress.map.explore import MapPlan, explore
 from scenarios.stress.map.record import map_record
 from scenarios.stress.map_verb import check_plan, check_spaces
 from scenarios.stress.paired import paired_failures
-from scenarios.stress.quarantine import name_quarantined
+from scenarios.stress.quarantine import name_quarantined, quarantine_fields
 from scenarios.stress.search_verb import goals_of
 from scenarios.stress.space import Space
 from scenarios.stress.system_text import command_text, system_text
@@ -86,13 +86,15 @@ def compare_verb(request: CompareRequest) -> None:
         names = f"{records[0].a} and {records[0].b}"
         write_record(
             campaign.folder / "compare.json",
-            CompareFile(system=names, comparisons=tuple(records)),
+            CompareFile(system=names, comparisons=tuple(records), **quarantine_fields(campaign)),
         )
         page = write_stress_page([campaign.folder], campaign.folder / "stress.html")
-        out = Console()
-        print_table(_table(records), out)
-        print_line(f"page: {page}", out)
-        name_quarantined(campaign, out)
+    out = Console()
+    print_table(_table(records), out)
+    print_line(f"page: {page}", out)
+    name_quarantined(campaign, out)
+    if not any(r.both + r.only_a + r.only_b + r.neither for r in records):
+        raise InfrastructureError("no draw gave a result with both trackers")
 
 
 def _compared(campaign: Campaign, space: Space, request: CompareRequest) -> list[CompareRecord]:

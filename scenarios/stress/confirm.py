@@ -47,6 +47,13 @@ class Counterexample:
         return bool(self.full.failures((goal,)))
 
     @property
+    def counts(self) -> bool:
+        """Whether it is a failure: confirmed, or not rendered."""
+        if self.result.robustness is None:
+            return False
+        return self.full is None or self.confirmed
+
+    @property
     def result(self) -> TrialResult:
         """The result that counts: of the rendered episode where there is one."""
         played = self.full is not None and self.full.result.robustness is not None

@@ -27,7 +27,7 @@ from scenarios.stress.estimate.estimate import METHODS, MethodChoice, Sample, es
 from scenarios.stress.estimate.full_sample import failing_draws, passing_draws
 from scenarios.stress.estimate.outcomes import Outcomes
 from scenarios.stress.estimate.probability import LEAST_ESS, MOST_WEIGHT, Probability
-from scenarios.stress.quarantine import name_quarantined
+from scenarios.stress.quarantine import name_quarantined, quarantine_fields
 from scenarios.stress.search_verb import goals_of
 from scenarios.stress.space import Space
 from scenarios.stress.system_text import command_text, system_text
@@ -71,15 +71,19 @@ def estimate_verb(request: EstimateRequest) -> int:
             for space in campaign.spaces
             for goal in goals
         ]
-        file = EstimateFile(system=system_text(campaign.system), estimates=tuple(records))
+        file = EstimateFile(
+            system=system_text(campaign.system),
+            estimates=tuple(records),
+            **quarantine_fields(campaign),
+        )
         write_record(campaign.folder / "estimate.json", file)
         page = write_stress_page([campaign.folder], campaign.folder / "stress.html")
-        out = Console()
-        print_table(_table(records), out)
-        for line in _reservations(records):
-            print_line(line, out)
-        print_line(f"page: {page}", out)
-        name_quarantined(campaign, out)
+    out = Console()
+    print_table(_table(records), out)
+    for line in _reservations(records):
+        print_line(line, out)
+    print_line(f"page: {page}", out)
+    name_quarantined(campaign, out)
     return INCONCLUSIVE if any(r.verdict == "inconclusive" for r in records) else 0
 
 

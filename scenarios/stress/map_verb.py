@@ -9,6 +9,7 @@ from rich.console import Console
 
 from pjpdaf.errors import BenchError
 from reports.score.robustness import GOALS
+from reports.stress.load import MAP_EPISODES
 from reports.stress.page import write_stress_page
 from reports.stress.records import EpisodeKey, MapFile, MapRecord, write_record
 from reports.stress.words import share_text
@@ -20,7 +21,7 @@ from scenarios.stress.case import Case, Trial, TrialResult
 from scenarios.stress.map.cells import MOST_CELLS, grid
 from scenarios.stress.map.explore import MapPlan, PlayedCell, axes_of, check_runs, explore
 from scenarios.stress.map.record import map_record
-from scenarios.stress.quarantine import name_quarantined
+from scenarios.stress.quarantine import name_quarantined, quarantine_fields
 from scenarios.stress.recording import Shown, record_episodes
 from scenarios.stress.space import Space
 from scenarios.stress.system_text import command_text, replay_command, system_text
@@ -62,15 +63,19 @@ def map_verb(request: MapRequest) -> None:
             record, more = _mapped(campaign, space, request)
             records.append(record)
             shown += more
-        record_episodes(campaign, shown)
-        file = MapFile(system=system_text(campaign.system), maps=tuple(records))
+        record_episodes(campaign, shown, MAP_EPISODES)
+        file = MapFile(
+            system=system_text(campaign.system),
+            maps=tuple(records),
+            **quarantine_fields(campaign),
+        )
         write_record(campaign.folder / "map.json", file)
         page = write_stress_page([campaign.folder], campaign.folder / "stress.html")
-        out = Console()
-        for record in records:
-            print_line(_summary(record), out)
-        print_line(f"page: {page}", out)
-        name_quarantined(campaign, out)
+    out = Console()
+    for record in records:
+        print_line(_summary(record), out)
+    print_line(f"page: {page}", out)
+    name_quarantined(campaign, out)
 
 
 def check_plan(plan: MapPlan) -> None:
@@ -145,6 +150,6 @@ def _summary(record: MapRecord) -> str:
     unplayed = f", {record.unplayed} without a result" if record.unplayed else ""
     return (
         f"{record.family}: {axes}, {count(len(record.cells), 'cell')}, "
-        f"{count(record.runs, 'run')} in {record.fidelity}{unplayed}; of the cells' trials: "
-        f"{shares or 'none failed'}"
+        f"{count(record.runs, 'run')} in {record.fidelity}; of the cells' "
+        f"{count(n + record.unplayed, 'trial')}: {shares or 'none failed'}{unplayed}"
     )

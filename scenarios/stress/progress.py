@@ -60,8 +60,9 @@ class Progress:
         return executor.running_steps() / self.frames if self.frames else 0.0
 
     def _text(self) -> str:
-        best = f", best rho {self.best:+.2f}" if self.best < float("inf") else ""
-        return f"{self.doing}: {self.failures} failed{best}"
+        if self.best == float("inf"):  # nothing was played yet
+            return self.doing
+        return f"{self.doing}: {self.failures} failed, best rho {self.best:+.2f}"
 
 
 @contextmanager

@@ -22,8 +22,6 @@ from sim.processes import Answer
 from sim.silhouettes.film import film_of
 from sim.silhouettes.painter import Painter
 
-FOLDER = "episodes"
-
 
 @dataclass(frozen=True)
 class Shown:
@@ -38,8 +36,8 @@ class Shown:
         return EpisodeKey(label=self.label, seed=self.trial.case.seed)
 
 
-def record_episodes(campaign: Campaign, shown: Sequence[Shown]) -> None:
-    """Play trials again and save them in the campaign's `episodes`, in place of what is there.
+def record_episodes(campaign: Campaign, shown: Sequence[Shown], name: str) -> None:
+    """Play trials again and save them in the campaign's folder `name`, in place of what is there.
 
     A fast trial has painted silhouettes for a film, a full one its pictures and the stages to
     blame. A trial that gives no result now is left out. Without any, nothing is written. Raises
@@ -58,11 +56,11 @@ def record_episodes(campaign: Campaign, shown: Sequence[Shown]) -> None:
         if isinstance(outcome, Answer) and isinstance(outcome.value, EpisodeRows):
             rows[index] = outcome.value
         campaign.progress.meter.finish(1)
-    path = campaign.folder / FOLDER
+    path = campaign.folder / name
     if (path / "run.json").is_file():
         shutil.rmtree(path)
     system = shown[0].trial.system
-    info = RunInfo(name=FOLDER, detector=system.detector, tracker=system.tracker)
+    info = RunInfo(name=name, detector=system.detector, tracker=system.tracker)
     save(path, [rows[i] for i in sorted(rows)], info)
 
 

@@ -11,6 +11,7 @@ from rich.console import Console
 
 from pjpdaf.errors import BenchError
 from reports.score.robustness import GOALS, Goal
+from reports.stress.load import EPISODES
 from reports.stress.page import write_stress_page
 from reports.stress.records import SearchFile, write_record
 from reports.stress.words import value_text
@@ -21,14 +22,19 @@ from scenarios.spec.corpus_case import corpus_files, load_corpus_case
 from scenarios.spec.suggestion import suggestion
 from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
 from scenarios.stress.case import Case, Fidelity
-from scenarios.stress.case_file import case_of, corpus_case, write_case
+from scenarios.stress.case_file import can_be_file, case_of, corpus_case, write_case
 from scenarios.stress.confirm import MOST_RUNS, Counterexample, choose, confirm
 from scenarios.stress.drawn import drawn_space
-from scenarios.stress.families import find_family
-from scenarios.stress.quarantine import name_quarantined
+from scenarios.stress.quarantine import name_quarantined, quarantine_fields
 from scenarios.stress.recording import record_episodes
 from scenarios.stress.search.evaluation import Evaluation, Evaluator
-from scenarios.stress.search.page_record import search_record, shown_failures, shown_measure
+from scenarios.stress.search.page_record import (
+    failure_command,
+    failure_name,
+    search_record,
+    shown_failures,
+    shown_measure,
+)
 from scenarios.stress.search.record import KIND, VERSION, family_record
 from scenarios.stress.search.search import FamilySearch, SearchPlan, search_family
 from scenarios.stress.search.table import failure_table
@@ -115,10 +121,10 @@ def search_verb(request: SearchRequest) -> None:
         results = [_with_files(campaign, result) for result in results]
         _write_record(campaign, results)
         page = _write_page(campaign, results, request.argv)
-        out = Console()
-        _print(campaign, results, out)
-        print_line(f"page: {page}", out)
-        name_quarantined(campaign, out)
+    out = Console()
+    _print(campaign, results, out)
+    print_line(f"page: {page}", out)
+    name_quarantined(campaign, out)
 
 
 def goals_of(text: str) -> tuple[Goal, ...]:
@@ -198,16 +204,16 @@ def _search(
 
 
 def _with_files(campaign: Campaign, result: FamilyFound) -> FamilyFound:
-    """Write a file for each case that was confirmed, or not rendered."""
+    """Write a file for each case that counts, but for those with a file of the user's in them."""
     files: list[Path | None] = []
     folder = campaign.folder / "cases"
     folder.mkdir(exist_ok=True)
     for number, one in enumerate(result.found, start=1):
-        name = f"{find_family(one.case.family).name}_{one.measure}_{number}"
         robustness = one.result.robustness
-        if robustness is None or (one.full is not None and not one.confirmed):
+        if not one.counts or robustness is None or not can_be_file(one.case):
             files.append(None)
             continue
+        name = failure_name(one, number)
         measure = shown_measure(one)
         record = corpus_case(
             name,
@@ -252,7 +258,7 @@ def _write_page(campaign: Campaign, results: Sequence[FamilyFound], argv: Sequen
     """failures.json, the episodes of the failures that count, and stress.html."""
     records, shown = [], []
     for result in results:
-        episodes = shown_failures(result.found, result.files, campaign.system, result.fidelity)
+        episodes = shown_failures(result.found, campaign.system, result.fidelity)
         shown += list(episodes.values())
         records.append(
             search_record(
@@ -261,12 +267,16 @@ def _write_page(campaign: Campaign, results: Sequence[FamilyFound], argv: Sequen
                 result.files,
                 result.fidelity,
                 episodes,
+                campaign.system,
                 result.fresh_runs,
             )
         )
-    record_episodes(campaign, shown)
+    record_episodes(campaign, shown, EPISODES)
     file = SearchFile(
-        system=system_text(campaign.system), searches=tuple(records), command=command_text(argv)
+        system=system_text(campaign.system),
+        searches=tuple(records),
+        command=command_text(argv),
+        **quarantine_fields(campaign),
     )
     write_record(campaign.folder / "failures.json", file)
     return write_stress_page([campaign.folder], campaign.folder / "stress.html")
@@ -276,16 +286,18 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound], out: Console) -> 
     for result in results:
         search = result.search
         failed = sum(bool(e.result.failed) for e in search.evaluations)
+        lost = sum(e.result.robustness is None for e in search.evaluations)
         print_line(
             f"{search.space.family.name}: {result.runs_text}; "
-            f"{failed} of {count(len(search.evaluations), 'point')} fail, "
+            f"{failed} of {count(len(search.evaluations), 'point')} "
+            f"{'fails' if failed == 1 else 'fail'}, {f'{lost} without a result, ' * bool(lost)}"
             f"{count(len(search.failures), 'distinct failure')} (ended by {search.ended})",
             out,
         )
         if result.found:
             print_table(failure_table(search.space.family.name, result.found), out)
     found = [one for result in results for one in result.found]
-    rendered = [one for one in found if one.full is not None]
+    rendered = [one for one in found if one.full and one.full.result.robustness is not None]
     if rendered:
         confirmed = sum(one.confirmed for one in rendered)
         share = 100 * confirmed / len(rendered)
@@ -295,9 +307,10 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound], out: Console) -> 
         held = " ".join(f"--set {name}={value}" for name, value in needed.items())
         print_line(f"drawn values: {also} lets a search vary them, {held} holds them", out)
     for result in results:
-        for path in result.files:
-            if path is not None:
-                print_command(f"replay: pjpdaf-bench stress {path} replay", out)
+        for one, path in zip(result.found, result.files, strict=True):
+            if one.counts:
+                command = failure_command(one, path, campaign.system, result.fidelity)
+                print_command(f"replay: {command}", out)
     print_line(f"search: {campaign.folder / 'search.json'}", out)
 
 

@@ -11,9 +11,17 @@ from pjpdaf.errors import BenchError
 from reports.summary.text import count
 from reports.words import MEASURE_WORDS
 from scenarios.console.lines import print_line
+from scenarios.spec.corpus_case import numbered_label
 from scenarios.stress.campaign import CampaignRequest, open_campaign
 from scenarios.stress.case import Case
-from scenarios.stress.case_file import case_of, corpus_case, load_case, system_of, write_case
+from scenarios.stress.case_file import (
+    case_of,
+    corpus_case,
+    load_case,
+    settings_of,
+    system_to_play,
+    write_case,
+)
 from scenarios.stress.drawn import drawn_space
 from scenarios.stress.quarantine import name_quarantined
 from scenarios.stress.search.evaluation import Evaluator
@@ -26,11 +34,16 @@ MAX_FRESH = 100_000
 
 @dataclass(frozen=True)
 class ShrinkRequest:
-    """The options of `shrink`. path: a case file; fresh: episodes for the survival rates."""
+    """The options of `shrink`. path: a case file; fresh: episodes for the survival rates.
+
+    detector, tracker: None: those of the file; a plug-in that it names must be named here too.
+    """
 
     campaign: CampaignRequest
     path: Path
     fresh: int = 100
+    detector: str | None = None
+    tracker: str | None = None
 
 
 def shrink_verb(request: ShrinkRequest) -> None:
@@ -41,17 +54,16 @@ def shrink_verb(request: ShrinkRequest) -> None:
     if not 1 <= request.fresh <= MAX_FRESH:
         raise BenchError(f"--fresh must be between 1 and {MAX_FRESH}, got {request.fresh}")
     record = load_case(request.path)
-    system = system_of(record)
+    system = system_to_play(record, request.path, request.detector, request.tracker)
     options = {"case": record.digest, "event": record.event, "fresh": request.fresh}
     campaign_request = replace(
         request.campaign,
         target=record.family,
         detector=system.detector,
         tracker=system.tracker,
-        settings=record.settings,
+        settings=settings_of(system),
         options=options,
     )
-    out = Console()
     with open_campaign(campaign_request) as campaign:
         space, case = campaign.spaces[0], case_of(record)
         # What it sets beyond the family's own may be what matters: the rate, or what others draw.
@@ -65,7 +77,7 @@ def shrink_verb(request: ShrinkRequest) -> None:
         shrunk = shrink(
             space, case, record.event, evaluator.evaluate, request.fresh, campaign.request.seed
         )
-        _print(out, shrunk, space, fidelity)
+        written: list[str] = []
         for name, kept, survival in (
             ("minimal", shrunk.minimal, shrunk.minimal_survival),
             ("severe", shrunk.severe, shrunk.severe_survival),
@@ -76,11 +88,15 @@ def shrink_verb(request: ShrinkRequest) -> None:
                     f"the {name} form of {record.name}; fails with {survival.text} fresh noise "
                     f"seeds in {fidelity}"
                 )
-                title = f"{record.name}_{name}"[:60]
+                title = numbered_label(record.name, f"_{name}")
                 form = corpus_case(title, kept, system, record.event, record.rho, "open", note)
                 write_case(path, form, replace=True)
-                print_line(f"{name}: {path}", out)
-        name_quarantined(campaign, out)
+                written.append(f"{name}: {path}")
+    out = Console()
+    _print(out, shrunk, space, fidelity)
+    for line in written:
+        print_line(line, out)
+    name_quarantined(campaign, out)
 
 
 def _print(out: Console, shrunk: Shrunk, space: Space, fidelity: str) -> None:

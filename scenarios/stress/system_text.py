@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
+from pathlib import Path
 
 from scenarios.play.job import System
-from scenarios.stress.case import Trial
+from scenarios.spec.motion.plugged import TRUSTED_VARIABLE, is_code
+from scenarios.stress.case import Case, Trial
 
 
 def system_text(system: System) -> str:
@@ -22,6 +24,16 @@ def system_text(system: System) -> str:
 def command_text(argv: Sequence[str]) -> str:
     """The command line of these arguments; "" without any."""
     return f"pjpdaf-bench {shlex.join(argv)}" if argv else ""
+
+
+def case_command(path: Path, case: Case, system: System) -> str:
+    """The command that replays a case file; what a file alone does not start is named in it."""
+    words = ["pjpdaf-bench", "stress", str(path), "replay"]
+    for kind, name in (("tracker", system.tracker), ("detector", system.detector)):
+        if is_code(name):
+            words += [f"--{kind}", name]
+    trusted = f"{TRUSTED_VARIABLE}={shlex.quote(case.family)} " if is_code(case.family) else ""
+    return trusted + shlex.join(words)
 
 
 def replay_command(trial: Trial) -> str:

@@ -19,13 +19,14 @@ class TrialRunner:
     """Plays trials. What the journal has is not played again.
 
     time_limit_s: of one trial; on_result: called for each trial that is played or found in the
-    journal, with its result.
+    journal, with its result; interrupted: whether to end.
     """
 
     executor: Executor
     journal: Journal
     time_limit_s: float = TIME_LIMIT_S
     on_result: Callable[[Trial, TrialResult], None] = lambda trial, result: None
+    interrupted: Callable[[], bool] = lambda: False
 
     def run(self, trials: Sequence[Trial]) -> list[TrialResult]:
         """The results of trials, in their order, whatever the number of workers.
@@ -37,6 +38,7 @@ class TrialRunner:
         results: dict[str, TrialResult] = {}
         waiting: dict[str, Trial] = {}
         for trial in trials:
+            self._end_if_interrupted()
             kept = self._kept(trial.key)
             if kept is not None:
                 results[trial.key] = kept
@@ -45,6 +47,7 @@ class TrialRunner:
                 waiting.setdefault(trial.key, trial)
         tasks = dict(enumerate(waiting.values()))
         for indexed in self.executor.outcomes(play_trial, tasks, self.time_limit_s):
+            self._end_if_interrupted()
             if indexed is None:
                 continue
             trial, outcome = tasks[indexed[0]], indexed[1]
@@ -58,6 +61,11 @@ class TrialRunner:
             results[trial.key] = result
             self.on_result(trial, result)
         return [results[trial.key] for trial in trials]
+
+    def _end_if_interrupted(self) -> None:
+        # A KeyboardInterrupt that is raised while pydantic writes a digest does not come out of it.
+        if self.interrupted():
+            raise KeyboardInterrupt
 
     def _kept(self, key: str) -> TrialResult | None:
         """The result in the journal, None where there is none, or none that can be read."""

@@ -7,9 +7,8 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
 from sim.clips.fit import FLOOR_M
-from sim.person.kinematics import (
-    reach_limits,
-)
+from sim.motion.strokes import minimum_jerk_over
+from sim.person.kinematics import reach_limits
 from sim.specs import RoomSpec
 
 _SOFT_M = 0.012  # how gently limits set in
@@ -25,17 +24,10 @@ def above(values: Floats, least: Floats | float) -> Floats:
     return soft
 
 
-def smooth(share: Floats) -> Floats:
-    """0 below 0, 1 above 1, smooth between."""
-    s = np.clip(share, 0.0, 1.0)
-    smooth: Floats = s * s * s * (10.0 + s * (6.0 * s - 15.0))
-    return smooth
-
-
 def at_a_table(palms: Floats, room: RoomSpec) -> Floats:
     """Palms (n, 2, 3) above the table, and the lower the further over it: no lap, no hips."""
     z = above(palms[..., 2], room.table_height_m + FLOOR_M)
-    free = smooth((z - room.table_height_m) / _FREE_M)
+    free = minimum_jerk_over((z - room.table_height_m) / _FREE_M)
     least = (1.0 - free) * (room.table_near_x_m + _OVER_M) + free * _BESIDE_M
     return np.stack([above(palms[..., 0], least), palms[..., 1], z], axis=-1)
 

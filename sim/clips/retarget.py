@@ -16,12 +16,12 @@ from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
 from sim.clips.clips import Clip
 from sim.clips.fit import Fit, fit_of
-from sim.clips.limits import above, at_a_table, in_reach, limited, smooth
+from sim.clips.limits import above, at_a_table, in_reach, limited
 from sim.motion.carriage import Carriage
 from sim.motion.motion import elbow_floor_over, table_of
 from sim.motion.planner import curled
 from sim.motion.posture import shoulders_over
-from sim.motion.strokes import HandState, minimum_jerk, quaternion_of
+from sim.motion.strokes import HandState, minimum_jerk, minimum_jerk_over, quaternion_of
 from sim.person.elbow_circles import ElbowCircles, elbow_circles, within_reach_over
 from sim.person.kinematics import OUTWARD, hand_rotation
 from sim.pose import SIDES
@@ -71,10 +71,11 @@ class Retargeted:
 
     def hand(self, side: int, clip_s: float) -> HandState:
         """The state of a hand at a moment of the clip."""
+        palm = self.palms(clip_s)[side]
         return HandState(
-            self.palms(clip_s)[side],
+            palm,
             self.turns(clip_s)[side],
-            _curls(float(self.palms(clip_s)[side, 2]) - self.table_m),
+            _curls(float(palm[2]) - self.table_m),
             air=0.0,  # its tremor is in the recording
             swivel_rad=float(self.swivels(clip_s)[side]),
         )
@@ -262,7 +263,8 @@ def _turns(side: int, along: Floats, heights: Floats) -> Floats:
     w, v = 1.0 + along @ x0, np.cross(np.broadcast_to(x0, along.shape), along)
     turn = _unit(np.column_stack([w, v]))
     roll = -OUTWARD[side] * (
-        _FLAT_RAD + (_ROLL_RAD - _FLAT_RAD) * smooth((heights - _FLAT_FROM_M) / _FLAT_OVER_M)
+        _FLAT_RAD
+        + (_ROLL_RAD - _FLAT_RAD) * minimum_jerk_over((heights - _FLAT_FROM_M) / _FLAT_OVER_M)
     )
     zero = np.zeros_like(roll)
     rolled = np.column_stack([np.cos(0.5 * roll), np.sin(0.5 * roll), zero, zero])

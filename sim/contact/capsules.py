@@ -79,9 +79,9 @@ def _nearest(p: Floats, d1: Floats, q: Floats, d2: Floats) -> tuple[Floats, Floa
     r = p - q
     A, E, F, C, B = dots(d1, d1), dots(d2, d2), dots(d2, r), dots(d1, r), dots(d1, d2)
     denominator = np.maximum(A * E - B * B, 1e-12)
-    s = np.clip((B * F - C * E) / denominator, 0.0, 1.0)
-    t = np.clip((B * s + F) / E, 0.0, 1.0)
-    s = np.clip((B * t - C) / A, 0.0, 1.0)
+    s = ((B * F - C * E) / denominator).clip(0.0, 1.0)
+    t = ((B * s + F) / E).clip(0.0, 1.0)
+    s = ((B * t - C) / A).clip(0.0, 1.0)
     between = r + s[..., None] * d1 - t[..., None] * d2
     return np.sqrt(dots(between, between)), between
 

@@ -108,18 +108,22 @@ def _far_apart(shapes: tuple[Shape, Shape], arms: tuple[Arm, Arm]) -> bool:
     return True
 
 
-def _steady_ways(arms: tuple[Arm, Arm]) -> dict[tuple[int, int], Floats]:
-    """Unit ways (3,) from a part of the left arm to one of the right, for pairs with a hand: they
-    do not turn over while fingers slip between fingers. Bones have steady ways of their own.
+# Pairs of parts, of the right and of the left arm, whose bars all go the same way.
+_STEADY_PAIRS = ((HAND, HAND), (HAND, FOREARM), (FOREARM, HAND))
+
+
+def _steady_way(arms: tuple[Arm, Arm], first: int, second: int) -> Floats:
+    """Unit way (3,) from a part of the left arm to one of the right, for pairs with a hand: it
+    does not turn over while fingers slip between fingers. Bones have steady ways of their own.
     """
     right, left = arms
+    if second == FOREARM:
+        return _from_bone(left, right.palm_m)
+    if first == FOREARM:
+        return -_from_bone(right, left.palm_m)
     # Without a centre line to part along, each hand goes to its own side.
     apart = right.palm_m - left.palm_m + np.array([0.0, 0.01 * OUTWARD[0], 0.0])
-    return {
-        (HAND, HAND): apart / max(norm(apart), 1e-9),
-        (HAND, FOREARM): _from_bone(left, right.palm_m),
-        (FOREARM, HAND): -_from_bone(right, left.palm_m),
-    }
+    return np.asarray(apart / max(norm(apart), 1e-9))
 
 
 def _from_bone(arm: Arm, palm_m: Floats) -> Floats:
@@ -147,13 +151,13 @@ def _pair_rows(shapes: tuple[Shape, Shape], arms: tuple[Arm, Arm]) -> tuple[Floa
         return np.zeros(0), np.zeros((0, 8))
     way = met.between / np.maximum(met.distance_m, 1e-6)[:, None]
     depths = met.overlap_m - _LEFT_ALONE_M
-    for (first, second), steady in _steady_ways(arms).items():
+    for first, second in _STEADY_PAIRS:
         chosen = (PART_OF_BAR[i] == first) & (PART_OF_BAR[j] == second)
         if chosen.any():
             # All bars of a hand go the same way, the mean of theirs, each as heavy as it is deep.
             depth = depths[chosen]
             mean = depth @ way[chosen] / depth.sum()
-            common = (1.0 - _STEADY) * mean + _STEADY * steady
+            common = (1.0 - _STEADY) * mean + _STEADY * _steady_way(arms, first, second)
             way[chosen] = common / max(norm(common), 1e-6)
     rows = np.concatenate(
         [

@@ -14,7 +14,7 @@ import numpy as np
 from pjpdaf.arrays import Floats
 from sim.anatomy import Anatomy
 from sim.person.kinematics import OUTWARD
-from sim.person.torso import torso_surface
+from sim.person.torso import torso_grid
 from sim.vectors import dots
 
 _UP = np.array([0.0, 0.0, 1.0])
@@ -33,7 +33,7 @@ class Slab:
         c, s = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         local = points_m @ turn if self.yaw_rad else points_m
-        beyond = local - np.clip(local, self.low_m, self.high_m)
+        beyond = local - local.clip(self.low_m, self.high_m)
         gap = np.sqrt(dots(beyond, beyond))
         # Inside, the nearest face: below all lower corners, above all upper corners, is negative.
         faces = np.concatenate([self.low_m - local, local - self.high_m], axis=1)
@@ -93,7 +93,7 @@ class Trunk:
     def push(self, points_m: Floats, radii_m: Floats) -> tuple[Floats, Floats]:
         """Depth (n,) [m] of round points (n, 3), (n,) and ways out (n, 3), torso frame."""
         z = points_m[:, 2]
-        level_z = np.clip(z, self.heights_m[0], self.heights_m[-1])
+        level_z = z.clip(self.heights_m[0], self.heights_m[-1])
         middle, depth, half = (
             np.interp(level_z, self.heights_m, column) for column in self.sections_m.T
         )
@@ -117,7 +117,7 @@ _TRUNK_H = (-0.30, -0.030)  # of the stature: from the seat to where the shoulde
 @lru_cache(maxsize=64)
 def trunk(anatomy: Anatomy) -> Trunk:
     """The trunk of a person, from the surface that is drawn."""
-    vertices = torso_surface(anatomy).vertices_m
+    vertices = torso_grid(anatomy).reshape(-1, 3)
     low, high = (share * anatomy.stature_m for share in _TRUNK_H)
     heights = [z for z in np.unique(vertices[:, 2].round(6)).tolist() if low <= z <= high]
     sections = []
@@ -160,7 +160,7 @@ class Solids:
         along = self.ends_m - self.starts_m
         offset = points_m - self.starts_m[:, None]
         share = dots(offset, along[:, None]) / dots(along, along)[:, None]
-        away = offset - np.clip(share, 0.0, 1.0)[..., None] * along[:, None]
+        away = offset - share.clip(0.0, 1.0)[..., None] * along[:, None]
         distance = np.sqrt(dots(away, away))
         return (
             np.concatenate([[in_head, in_trunk], self.radii_m[:, None] + radii_m - distance]),

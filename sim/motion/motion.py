@@ -17,7 +17,7 @@ from sim.contact.separation import separate
 from sim.contact.solids import Obstacles, Table, person_solids
 from sim.motion.carriage import UPRIGHT, CarriageMotion
 from sim.motion.posture import posture
-from sim.motion.strokes import HandState, Wobble, minimum_jerk
+from sim.motion.strokes import HandState, Wobble, minimum_jerk, minimum_jerk_over
 from sim.person.kinematics import Arm, shoulders, solve_arm
 from sim.pose import Pose, Transform
 from sim.scene.extras import WithExtras
@@ -133,8 +133,7 @@ def elbow_floor_over(anatomy: Anatomy, table: Table, palms_m: Floats) -> Floats:
     """`elbow_floor` (n,) of palms (n, 3), to the bit."""
     before = (table.near_x_m + 0.05 - palms_m[:, 0]) / 0.15
     under = (table.top_m - palms_m[:, 2]) / 0.05
-    s = np.clip(np.maximum(before, under), 0.0, 1.0)
-    hanging = s * s * s * (10.0 + s * (6.0 * s - 15.0))  # `minimum_jerk`
+    hanging = minimum_jerk_over(np.maximum(before, under))
     return np.asarray(table.top_m + _ELBOW_CLEARANCE_H * anatomy.stature_m - _HANGING_M * hanging)
 
 

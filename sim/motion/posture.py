@@ -122,9 +122,11 @@ class HandsOver:
     swivel_rad: Floats
 
     @staticmethod
-    def of(states: Sequence[HandState]) -> HandsOver:
-        """The states of F moments."""
-        q = np.array([state.quaternion for state in states])
+    def of(rows: Floats) -> HandsOver:
+        """The states of F moments from their rows (F, 16)."""
+        positions, q, curls, rest = (
+            np.ascontiguousarray(part) for part in np.split(rows, (3, 7, 12), axis=1)
+        )
         w, x, y, z = (q / np.sqrt((q * q).sum(axis=1))[:, None]).T
         rotations = np.empty((len(q), 3, 3))
         rotations[:, 0] = np.stack(
@@ -136,13 +138,7 @@ class HandsOver:
         rotations[:, 2] = np.stack(
             [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=1
         )
-        rest = np.array([[s.air, s.with_head, s.nod_rad, s.swivel_rad] for s in states]).T
-        return HandsOver(
-            np.array([state.position_m for state in states]),
-            rotations,
-            np.array([state.curls for state in states]),
-            *rest,
-        )
+        return HandsOver(positions, rotations, curls, *rest.T)
 
 
 def posture_over(

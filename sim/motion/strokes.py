@@ -32,6 +32,12 @@ def minimum_jerk(s: float) -> float:
     return s * s * s * (10.0 + s * (6.0 * s - 15.0))
 
 
+def minimum_jerk_over(s: Floats) -> Floats:
+    """`minimum_jerk` of many shares, to the bit."""
+    s = s.clip(0.0, 1.0)
+    return np.asarray(s * s * s * (10.0 + s * (6.0 * s - 15.0)))
+
+
 def minimum_jerk_rate(s: float) -> float:
     """Derivative of `minimum_jerk` by s."""
     if s <= 0.0 or s >= 1.0:
@@ -88,6 +94,12 @@ class HandState:
     def moved(self, by_m: ArrayLike) -> HandState:
         """The same state displaced by by_m (3,) [m]."""
         return replace(self, position_m=self.position_m + np.asarray(by_m, dtype=np.float64))
+
+    @property
+    def row(self) -> Floats:
+        """All its numbers (16,), in the order of its fields."""
+        rest = [self.air, self.with_head, self.nod_rad, self.swivel_rad]
+        return np.concatenate([self.position_m, self.quaternion, self.curls, rest])
 
     @cached_property
     def rotation(self) -> Floats:
@@ -162,6 +174,18 @@ class Stroke:
         """The state at t_s of a stroke that began in `start`."""
         u = minimum_jerk((t_s - self.start_s) / self.duration_s)
         return between(start, self.to, u, self.bulge_m)
+
+    def rows(self, times_s: Floats, start: HandState) -> Floats:
+        """The rows (n, 16) of the states at times_s (n,), to the bit as `at`."""
+        u = minimum_jerk_over((times_s - self.start_s) / self.duration_s)[:, None]
+        w = 1.0 - u
+        a, b = start.row, self.to.row
+        nearer = b.copy()
+        if float(start.quaternion @ self.to.quaternion) < 0:
+            nearer[3:7] *= -1.0
+        rows = w * a + u * nearer
+        rows[:, :3] += (4.0 * u * w) * self.bulge_m
+        return np.where(u <= 0.0, a, np.where(u >= 1.0, b, rows))
 
     @property
     def end_s(self) -> float:
@@ -267,6 +291,19 @@ class HandPath:
         if index < 0:
             return self.first
         return self.moves[index].at(t_s, self._states[index])
+
+    def rows(self, times_s: Floats) -> Floats:
+        """The rows (n, 16) of the states at times_s (n,), to the bit as `at`."""
+        indices = np.searchsorted(self._starts, times_s, side="right") - 1
+        rows = np.empty((len(times_s), 16))
+        for index in set(indices.tolist()):
+            now = indices == index
+            move = self.moves[index] if index >= 0 else None
+            if isinstance(move, Stroke):
+                rows[now] = move.rows(times_s[now], self._states[index])
+            else:
+                rows[now] = [self.at(t_s).row for t_s in times_s[now].tolist()]
+        return rows
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from pjpdaf.arrays import Floats
 from pjpdaf.targets import HEAD
 from sim.anatomy import Anatomy
 from sim.person.cloth import tailored
@@ -49,6 +50,11 @@ def add_torso(assets: Assets, body: Any, anatomy: Anatomy, shirt: str) -> None:
 
 def torso_surface(anatomy: Anatomy) -> Surface:
     """Shoulders, chest and waist in the torso frame, with a high collar."""
+    return closed_grid(torso_grid(anatomy))
+
+
+def torso_grid(anatomy: Anatomy) -> Floats:
+    """The vertices (rings, 37, 3) of the torso's surface."""
     k = anatomy.stature_m / 1.72
     s = anatomy.shoulder_half_breadth_m / 0.18576
     # height, half breadth, front, back, exponent of the cross-section
@@ -82,4 +88,4 @@ def torso_surface(anatomy: Anatomy) -> Surface:
         grid[ring, :, 2] = z[ring] * (k if z[ring] < 0 else 1)
     # The shoulders stand a little behind the neck; the chest curves forward.
     grid[..., 0] += np.interp(z, [-0.56, -0.15, 0.0, 0.09], [-0.01, 0.0, 0.0, 0.006])[:, None]
-    return closed_grid(capped(grid)[::-1])
+    return capped(grid)[::-1]

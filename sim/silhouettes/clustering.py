@@ -18,22 +18,26 @@ from pjpdaf.detector.clusters import (
     nearest_centre,
 )
 from pjpdaf.detector.components import Segments
-from pjpdaf.detector.ellipses import ellipse_error, moments
+from pjpdaf.detector.ellipses import Moments, ellipse_error, moments
 
 SURE = 0.04  # Err of the components (Eq. 3.1) over their pixels: an outline is not worth splitting
 
 
-def chosen_clusters(seen: Segments, parameters: ClusterParameters) -> Ints:
-    """`pjpdaf.detector.clusters.cluster` of painted skin, without hypotheses that never win."""
+def chosen_clusters(seen: Segments, parameters: ClusterParameters) -> Moments:
+    """Moments of the clusters that `pjpdaf.detector.clusters.cluster` finds in painted skin.
+
+    Hypotheses that never win are left out.
+    """
     N, penalty = seen.count, parameters.kmeans_penalty
     if not parameters.components_compete or N > COMPONENTS_MAX:
-        return cluster(seen, parameters)
+        return _moments(seen, cluster(seen, parameters))
+    components = moments(seen.points, seen.component, N)
     step, chosen = lattice(seen, parameters.subsample)
     points, component = seen.points[chosen], seen.component[chosen]
-    fit = moments(points, component, N, step)
+    fit = components if step == 1 else moments(points, component, N, step)
     err = ellipse_error(points, component, fit, seen.size, step)
     if err < SURE * len(points) * step * step:
-        return seen.component
+        return components
     best = err * (1 + N / penalty)
     samples = points.astype("float32")
     centres = None
@@ -44,4 +48,8 @@ def chosen_clusters(seen: Segments, parameters: ClusterParameters) -> Ints:
         if err * (1 + k / penalty) >= best:
             break
         best, centres = err * (1 + k / penalty), found
-    return seen.component if centres is None else nearest_centre(seen.points, centres)
+    return components if centres is None else _moments(seen, nearest_centre(seen.points, centres))
+
+
+def _moments(seen: Segments, labels: Ints) -> Moments:
+    return moments(seen.points, labels, int(labels.max()) + 1)

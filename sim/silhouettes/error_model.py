@@ -45,11 +45,11 @@ class BlobErrors:
         own = model.own_px * rng.standard_normal((frames, views, _MOST_BLOBS, 2))
         shared = model.shared_px * rng.standard_normal((frames, 1, _MOST_BLOBS, 2))
         self._moves_px: Floats = (own + shared) * (width_px / 640)
-        self._plain_moves: list[list[list[list[float]]]] = self._moves_px.tolist()
 
     def moves(self, frame: int, view: int) -> list[list[float]]:
         """The moves (x, y) [px] of the first blobs of a view, from the top down."""
-        return self._plain_moves[frame][view]
+        moves: list[list[float]] = self._moves_px[frame, view].tolist()
+        return moves
 
     def applied(self, fit: Moments, frame: int, view: int) -> Moments:
         """The blobs of a view, from the top down, with their errors."""

@@ -11,17 +11,19 @@ from numpy.typing import NDArray
 from pjpdaf.interfaces import Detections
 from sim.silhouettes.film import Film
 from sim.silhouettes.outlines import Outlines, paint
-from sim.silhouettes.patches import Patches, patch_of
+from sim.silhouettes.patches import Box, Patches, patch_of
 
 
 class PaintedView(NamedTuple):
     """A view of a frame: classes uint8 (h, w) of `sim.silhouettes.shapes`, of the picture reduced
-    by step_px, without the lens's distortion; patches: of the targets.
+    by step_px, without the lens's distortion; patches: of the targets; skin_box: around all skin,
+    as in `sim.silhouettes.outlines`.
     """
 
     classes: NDArray[np.uint8]
     step_px: int
     patches: Patches
+    skin_box: Box
 
 
 class Painter:
@@ -61,4 +63,4 @@ def _painted(outlines: Outlines, frame: int) -> PaintedView:
     paint(outlines, frame, canvas)
     boxes = zip(outlines.target_boxes[frame], outlines.covered[frame], strict=True)
     patches = (patch_of(canvas, t, box, covered) for t, (box, covered) in enumerate(boxes))
-    return PaintedView(canvas, outlines.step_px, tuple(patches))
+    return PaintedView(canvas, outlines.step_px, tuple(patches), outlines.skin_boxes[frame])

@@ -25,7 +25,7 @@ from sim.person.sleeves import (
     UPPER_SLEEVE_M,
     WRIST_M,
 )
-from sim.person.torso import COLLAR_TOP_M, torso_surface
+from sim.person.torso import COLLAR_TOP_M, torso_grid
 from sim.silhouettes.pose_track import PoseTrack
 from sim.silhouettes.shapes import BARE, CLOTHED, TARGET_PAINT, Bars, Hull, bars_of, joined
 from sim.specs import RGB, Appearance
@@ -202,7 +202,7 @@ _SEEN_BELOW_M = 0.03  # of the trunk, below the table's height, over its near ed
 @lru_cache(maxsize=64)
 def _trunk(anatomy: Anatomy, lowest_m: float) -> tuple[Floats, ...]:
     """Convex pieces of the trunk above a height, torso frame: belly, chest, shoulders."""
-    vertices = torso_surface(anatomy).vertices_m[::2]
+    vertices = torso_grid(anatomy).reshape(-1, 3)[::2]
     vertices = vertices[vertices[:, 2] >= lowest_m]
     z = vertices[:, 2] / (anatomy.stature_m / 1.72)
     pieces = [vertices[(z >= low) & (z <= high)] for low, high in _SLICES]

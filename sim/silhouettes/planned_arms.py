@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from pjpdaf.arrays import Bools, Floats
-from sim.motion.motion import Performer, elbow_floor_over
+from sim.motion.motion import HandMotion, Performer, elbow_floor_over
 from sim.motion.posture import HandsOver, posture_over
-from sim.motion.strokes import Wobble
+from sim.motion.strokes import HandPath, Wobble
 from sim.person.kinematics import OUTWARD
 from sim.silhouettes.arms_over import ArmsOver, arms_over
 from sim.silhouettes.contact_over import ArmShapes, may_touch, shapes_over
@@ -39,10 +39,7 @@ def planned_arms(performer: Performer, times_s: Sequence[float]) -> PlannedArms:
     """The arms of a performer's plan at these times."""
     plan, anatomy, table = performer.plan, performer.scene.anatomy, performer.table
     times = np.array(times_s, dtype=np.float64)
-    hands = (
-        HandsOver.of([plan.hands[0].at(t_s) for t_s in times_s]),
-        HandsOver.of([plan.hands[1].at(t_s) for t_s in times_s]),
-    )
+    hands = (_hands_over(plan.hands[0], times), _hands_over(plan.hands[1], times))
     sway = _wobble_over(plan.sway, times)
     torso_m, torso, head_m, head = posture_over(
         anatomy, hands, sway, [plan.carriage.at(t_s) for t_s in times_s]
@@ -78,6 +75,12 @@ def planned_arms(performer: Performer, times_s: Sequence[float]) -> PlannedArms:
         curls=(hands[0].curls, hands[1].curls),
         may_touch=may_touch(anatomy, pair, table, (torso_m, torso), (head_m, head)),
     )
+
+
+def _hands_over(hand: HandMotion, times_s: Floats) -> HandsOver:
+    if isinstance(hand, HandPath):
+        return HandsOver.of(hand.rows(times_s))
+    return HandsOver.of(np.array([hand.at(t_s).row for t_s in times_s.tolist()]))
 
 
 def _wobble_over(wobble: Wobble, times_s: Floats) -> Floats:

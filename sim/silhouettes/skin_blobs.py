@@ -11,8 +11,9 @@ from typing import final
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from pjpdaf.arrays import Floats, Ints
+from pjpdaf.arrays import Floats
 from pjpdaf.camera import Camera
 from pjpdaf.detector.clusters import ClusterParameters
 from pjpdaf.detector.components import Segments, min_area_px, segments
@@ -83,15 +84,10 @@ class SkinBlobs:
         least = min_area_px(p.components, self.cameras[number], predicted) / step**2
         if self._simple and _plain(painted.patches, least):
             return self._plain_blobs(painted, frame, number)
-        skin = (painted.classes >= BARE).view(np.uint8)
-        # Every other row and column: the detector's own sample of the whole picture.
-        mask = cv2.morphologyEx(skin, cv2.MORPH_CLOSE, CLOSING)[::_SAMPLE, ::_SAMPLE]
-        mask = np.ascontiguousarray(mask)
-        seen = segments(mask, least / _SAMPLE**2, p.components.merge_fragments)
+        seen = segments(_mask(painted), least / _SAMPLE**2, p.components.merge_fragments)
         if seen.count == 0:
             return Detections.none()
-        labels = self._cluster(seen)
-        fit = moments(seen.points, labels, int(labels.max()) + 1)
+        fit = self._clusters(seen)
         sampled = Moments(
             fit.centres * _SAMPLE, fit.covariances * _SAMPLE**2, fit.areas * _SAMPLE**2
         )
@@ -127,10 +123,26 @@ class SkinBlobs:
             covariances = np.broadcast_to(covariances[0], (len(fit), 2, 2))
         return Detections(fit.centres, covariances, quick_axes(fit), fit.areas)
 
-    def _cluster(self, seen: Segments) -> Ints:
+    def _clusters(self, seen: Segments) -> Moments:
         if seen.count == _APART and self._all_pixels.components_compete:
-            return seen.component
+            return moments(seen.points, seen.component, seen.count)
         return chosen_clusters(seen, self._all_pixels)
+
+
+def _mask(painted: PaintedView) -> NDArray[np.uint8]:
+    """Skin of every other row and column, closed: the detector's own sample of the whole picture.
+
+    Closed only where skin is: that takes a third of the time.
+    """
+    height, width = painted.classes.shape
+    mask = np.zeros((-(-height // _SAMPLE), -(-width // _SAMPLE)), np.uint8)
+    left, top, right, bottom = painted.skin_box
+    if left < right and top < bottom:
+        skin = (painted.classes[top:bottom, left:right] >= BARE).view(np.uint8)
+        closed = cv2.morphologyEx(skin, cv2.MORPH_CLOSE, CLOSING)[::_SAMPLE, ::_SAMPLE]
+        window = mask[top // _SAMPLE :, left // _SAMPLE :]
+        window[: closed.shape[0], : closed.shape[1]] = closed
+    return mask
 
 
 def _plain(patches: Patches, least: float) -> bool:

@@ -57,8 +57,8 @@ class Truths:
             )
         )
         surfaces = self._surfaces[frame]
-        for target in range(T):
-            if all(view.patches[target] is None for view in views):
+        for target, patches in enumerate(zip(*(view.patches for view in views), strict=True)):
+            if not any(patches):
                 surfaces = surfaces.copy()
                 surfaces[target] = np.nan
         events = film.performance.script.events(film.moments[frame].time_s)

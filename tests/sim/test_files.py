@@ -16,7 +16,7 @@ from pjpdaf.interfaces import Estimates
 from reports.footage.tracks import TrackWriter
 from reports.pictures.film import FilmWriter
 from scenarios.console.folder import written_whole
-from sim.files import disk_faults, write_fault, written_whole_file
+from sim.files import disk_faults, near_paths, write_fault, written_whole_file
 
 FULL = Path("/dev/full")
 needs_full = pytest.mark.skipif(not FULL.exists(), reason="no /dev/full")
@@ -44,6 +44,13 @@ def test_a_fault_says_what_where_why_and_how_to_put_it_right(number, code, remed
     assert str(fault).startswith(f"a/run: cannot write the run: {os.strerror(number)}.")
     assert remedy in str(fault).lower()
     assert "\n" not in str(fault)
+
+
+def test_a_link_to_nowhere_is_not_what_is_meant_instead_of_it(tmp_path):
+    (tmp_path / "case.yaml").symlink_to("nowhere")
+    assert near_paths(tmp_path / "case.yaml") == ""
+    (tmp_path / "cases.yaml").touch()
+    assert near_paths(tmp_path / "case.yaml") == f"; did you mean {tmp_path / 'cases.yaml'}?"
 
 
 def test_an_error_without_a_number_is_told_in_its_own_words():

@@ -20,6 +20,7 @@ from worker_tasks import (
     hangs,
     memory_with_holes,
     pid,
+    prints_among_messages,
     slow_and_large,
     starts_a_process,
 )
@@ -46,6 +47,15 @@ def outcomes(function, tasks, workers=2, limit_s=60.0, **options):
 def test_every_task_has_its_answer():
     tasks = {7 * n: n for n in range(9)}
     assert outcomes(double, tasks) == {7 * n: Answer(2 * n) for n in range(9)}
+
+
+def test_what_a_task_prints_goes_to_standard_error():
+    assert outcomes(prints_among_messages, {0: 0}) == {0: Answer(True)}
+
+
+def test_a_worker_that_died_once_says_so():
+    assert Lost(late=False, attempts=1, exit_code=7).death == "its worker died once (exit code 7)"
+    assert Lost(late=False, attempts=3).death == "its worker died 3 times"
 
 
 def test_a_task_that_kills_its_worker_is_lost_and_the_others_are_not():

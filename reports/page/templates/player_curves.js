@@ -3,7 +3,7 @@ const curves = part("curves");
 const RIGHT = 12, PANEL = 104, GAP = 26, TOP = 8;
 
 // Where the scale of the frames begins: right of the names of the lanes, where there is room for them.
-const leftOf = (w) => w > 600 ? 176 : 46;
+const leftOf = (w) => w > 600 ? 212 : 46;
 
 function columnOf(ep, i, w) {
   const last = Math.max(1, ep.frames.length - 1);

@@ -36,7 +36,7 @@ function nameLanes(ctx, w, top, rows) {
     const at = [wide ? left - 8 : left, top + n * rowHeight(w) + (wide ? 10.5 : 11.5)];
     if (!wide) ctx.strokeText(row.text, ...at);
     ctx.fillStyle = FAULTS.includes(row.kind) ? ink.text : ink.soft;
-    ctx.fillText(row.text, ...at);
+    ctx.fillText(row.text, ...at, wide ? left - 10 : w - left); // squeezed where a font is wide
   });
 }
 

@@ -20,6 +20,11 @@ MODULE_FACTORY = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*", re.ASCII)
 _PARAMETER: TypeAdapter[Parameter] = TypeAdapter(Parameter)
 
 
+def is_code(name: str) -> bool:
+    """Whether a name is that of code that is not installed: module:factory."""
+    return ":" in name
+
+
 def trust(*names: str) -> None:
     """Let files and workers load the module:factory among names, because the user has named it.
 
@@ -38,7 +43,7 @@ def _trusted() -> set[str]:
 
 def fault_of_name(name: str) -> str:
     """Why the user must first say that they trust a module:factory, or ""; it is code."""
-    if ":" not in name or name in _trusted():
+    if not is_code(name) or name in _trusted():
         return ""
     if MODULE_FACTORY.fullmatch(name) is None:
         return f"must be written module:factory, got {name[:60]!r}"
@@ -118,4 +123,4 @@ def first_line(error: Any) -> str:
 
 def is_plugged(kind: object) -> bool:
     """Whether the kind of a motion is a plug-in's, by its form or among the entry points."""
-    return isinstance(kind, str) and (":" in kind or kind in entry_point_names(MOTIONS))
+    return isinstance(kind, str) and (is_code(kind) or kind in entry_point_names(MOTIONS))

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from reports.score.robustness import GOALS, measures_of
 from reports.stress.records import CaseRecord, ChangedValue, FailureRecord, Fidelity, SearchRecord
 from scenarios.play.job import System
+from scenarios.spec.corpus_case import numbered_label
+from scenarios.spec.parameters.file import contents
 from scenarios.spec.parameters.numeric import Numeric
 from scenarios.stress.case import Trial
 from scenarios.stress.confirm import Counterexample
 from scenarios.stress.drawn import drawn_space
+from scenarios.stress.families import find_family
 from scenarios.stress.recording import Shown
 from scenarios.stress.search.search import FamilySearch
 from scenarios.stress.space import Space
+from scenarios.stress.system_text import case_command, replay_command
 
 
 def search_record(
@@ -24,6 +27,7 @@ def search_record(
     files: Sequence[Path | None],
     fidelity: Fidelity,
     shown: Mapping[int, Shown],
+    system: System,
     fresh_runs: int = 0,
 ) -> SearchRecord:
     """A family's search; shown: by number, the failures whose episode the page plays.
@@ -39,24 +43,36 @@ def search_record(
         first=search.first_failure(),
         ended=search.ended,
         failures=tuple(
-            _failure(one, search.space, fidelity, file, shown.get(number))
+            _failure(one, search.space, fidelity, file, shown.get(number), system)
             for number, (one, file) in enumerate(zip(found, files, strict=True))
         ),
     )
 
 
+def failure_name(one: Counterexample, number: int) -> str:
+    """The name of a failure's case and episode."""
+    return numbered_label(find_family(one.case.family).name, f"_{one.measure}_{number}")
+
+
+def failure_command(
+    one: Counterexample, file: Path | None, system: System, fidelity: Fidelity
+) -> str:
+    """The command that plays a failure again: its file, or all its values where it has none."""
+    if file is not None:
+        return case_command(file, one.case, system)
+    return replay_command(Trial(one.case, system, fidelity if one.full is None else "full"))
+
+
 def shown_failures(
-    found: Sequence[Counterexample],
-    files: Sequence[Path | None],
-    system: System,
-    fidelity: Fidelity,
+    found: Sequence[Counterexample], system: System, fidelity: Fidelity
 ) -> dict[int, Shown]:
     """By number, the failures that count, as episodes for the page."""
     chosen: dict[int, Shown] = {}
-    for number, (one, file) in enumerate(zip(found, files, strict=True)):
-        if file is not None:
+    for number, one in enumerate(found):
+        if one.counts:
             played = fidelity if one.full is None else "full"
-            chosen[number] = Shown(file.stem, Trial(one.case, system, played))
+            name = failure_name(one, number + 1)
+            chosen[number] = Shown(name, Trial(one.case, system, played))
     return chosen
 
 
@@ -66,6 +82,7 @@ def _failure(
     fidelity: Fidelity,
     file: Path | None,
     shown: Shown | None,
+    system: System,
 ) -> FailureRecord:
     robustness = one.result.robustness
     assert robustness is not None
@@ -76,7 +93,9 @@ def _failure(
         measure=shown_measure(one),
         cell=one.failure.words,
         narrowed=one.failure.narrowed,
-        case=CaseRecord(family=one.case.family, values=dict(one.case.values), seed=one.case.seed),
+        case=CaseRecord(
+            family=one.case.family, values=dict(contents(one.case.values)), seed=one.case.seed
+        ),
         changed=tuple(
             ChangedValue(
                 name=name,
@@ -93,7 +112,7 @@ def _failure(
         confirmed=None if one.full is None else one.confirmed,
         survived=(one.survival.failed, one.survival.of),
         blame=one.blame,
-        command="" if file is None else shlex.join(["pjpdaf-bench", "stress", str(file), "replay"]),
+        command=failure_command(one, file, system, fidelity) if one.counts else "",
         episode=None if shown is None else shown.key,
     )
 

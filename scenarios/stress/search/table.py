@@ -24,14 +24,21 @@ def failure_table(family: str, found: Sequence[Counterexample]) -> Table:
     for one in found:
         robustness = one.result.robustness
         rho = "-" if robustness is None else f"{robustness.measures[one.measure]:+.2f}"
-        full = "-" if one.full is None else "fails" if one.confirmed else "passes"
         table.add_row(
             MEASURE_WORDS[one.measure],
             Text(one.failure.words),
             rho,
             f"{100 * one.result.severity:.0f} %",
-            one.survival.text,
-            full,
+            one.survival.text if one.survival.of else "-",
+            _in_full(one),
             one.blame or "-",
         )
     return table
+
+
+def _in_full(one: Counterexample) -> str:
+    if one.full is None:
+        return "-"
+    if one.full.result.robustness is None:
+        return "none"  # no result
+    return "fails" if one.confirmed else "passes"

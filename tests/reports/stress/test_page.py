@@ -10,6 +10,7 @@ import pytest
 from every_reader import faults
 
 from pjpdaf.errors import BenchError
+from reports.stress.load import load_stress
 from reports.stress.page import write_stress_page
 from scenarios.run.report import remake_report
 
@@ -32,7 +33,11 @@ def test_failures_are_confirmed_first_and_the_worst_first(page) -> None:
     text = page.read_text(encoding="utf-8")
     titles = re.findall(r'<article class="failure" .*?</article>', text, re.S)
     marks = [re.findall(r'class="mark (\w+)"', title) for title in titles]
-    assert marks == [["yes"], ["yes"], [], ["no"]]
+    assert marks == [["yes"], ["yes"], ["no"], ["no"]]
+    assert [re.findall("not (in pictures|rendered)</span>", t) for t in titles[2:]] == [
+        ["rendered"],
+        ["in pictures"],
+    ]
     assert "40&nbsp;% of the frames wrong" in titles[0]
     assert titles[0].count("<img") == 6
     assert "left and right exchanged</em>" in titles[0]
@@ -46,6 +51,17 @@ def test_failures_are_confirmed_first_and_the_worst_first(page) -> None:
     assert "7 of 8 fresh noise seeds" in titles[0]
     assert "2 of 3 tried" not in text
     assert "2 of 3 confirmed in rendered pictures" in text
+
+
+def test_a_curve_counts_the_trials_that_are_in_it(page, stress_folder) -> None:
+    """Not those of cells that were split: their parts have trials of their own."""
+    (folder,) = load_stress([stress_folder])
+    assert folder.map is not None
+    counted = {sum(cell.n for cell in record.cells) for record in folder.map.maps}
+    assert not counted & {record.runs for record in folder.map.maps}
+    text = html.unescape(page.read_text(encoding="utf-8"))
+    shown = {int(n) for n in re.findall(r"(\d+) trials \(fast\)\. Bars", text)}
+    assert shown == counted - {0}
 
 
 def test_probabilities_and_comparison(page) -> None:
@@ -90,6 +106,39 @@ def test_a_click_on_a_cell_and_on_a_strip_plays_the_episode(page, opened) -> Non
         assert red > 200
 
 
+def test_no_word_hides_a_picture_of_a_strip(page, opened) -> None:
+    with opened(page, "html[data-thumbs=yes]", viewport={"width": 390, "height": 800}) as view:
+        overlaps = view.evaluate(
+            """() => [...document.querySelectorAll('.strip a')].map((a) => {
+            const end = a.querySelector('img').getBoundingClientRect().bottom;
+            const words = [...a.querySelectorAll('span, em')];
+            return Math.min(...words.map((w) => w.getBoundingClientRect().top)) - end; })"""
+        )
+    assert overlaps
+    assert min(overlaps) >= 0
+
+
+def test_the_names_of_the_lanes_are_whole(page, opened) -> None:
+    """Also in a font that is far wider than those of this machine."""
+    with opened(page, "html[data-thumbs=yes]", viewport={"width": 1200, "height": 800}) as view:
+        view.evaluate(
+            """() => {
+            const write = CanvasRenderingContext2D.prototype.fillText;
+            window.starts = [];
+            CanvasRenderingContext2D.prototype.fillText = function (text, x, y, most = Infinity) {
+                if (this.textAlign === 'right' && /[a-z]{4}/.test(text)) {
+                    this.letterSpacing = '9px';
+                    window.starts.push(x - Math.min(this.measureText(text).width, most));
+                    this.letterSpacing = '0px';
+                }
+                write.call(this, text, x, y);
+            }; }"""
+        )
+        view.click(".strip li:last-child a")
+        view.wait_for_function("window.starts.length > 0")
+        assert view.evaluate("Math.min(...window.starts)") >= 0
+
+
 def test_several_folders_go_on_one_page(stress_folder, tmp_path) -> None:
     other = tmp_path / "other"
     other.mkdir()
@@ -100,6 +149,12 @@ def test_several_folders_go_on_one_page(stress_folder, tmp_path) -> None:
     assert heads == [f"P({g})<br>{s}" for s in ("thesis", "default") for g in ("swap", "lost")]
     with pytest.raises(BenchError, match="no page shows beside runs of other verbs"):
         remake_report([stress_folder / "episodes", stress_folder], tmp_path / "mixed.html")
+
+
+def test_a_stress_run_that_has_not_ended_is_told_so(tmp_path) -> None:
+    (tmp_path / "journal.bin").write_bytes(b"")
+    with pytest.raises(BenchError, match="is a stress run that has not ended, or of a verb with"):
+        remake_report([tmp_path], None)
 
 
 def test_it_is_for_every_reader(page, opened) -> None:

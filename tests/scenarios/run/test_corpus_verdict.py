@@ -31,7 +31,7 @@ def test_only_a_fixed_case_that_fails_with_its_own_tracker_is_a_regression():
     assert not outcome("fixed", 0.1).regression
     assert not outcome("open", -0.1).regression
     assert not outcome("fixed", -0.1, tracker="default").regression
-    with pytest.raises(FixedCaseFails, match="1 fixed case of the corpus fail") as fault:
+    with pytest.raises(FixedCaseFails, match="1 fixed case of the corpus fails again") as fault:
         refuse_regressions([outcome("fixed", -0.1), outcome("open", -1.0)])
     assert fault.value.exit_code == 1
 
@@ -41,6 +41,8 @@ def test_the_lines_name_what_is_not_as_its_status_says():
     assert list(verdict_lines(as_said)) == ["corpus: 2 cases; of 1 fixed 0 fail, of 1 open 1 fail"]
     lines = list(verdict_lines([*as_said, outcome("open", 0.25)]))
     assert lines[1:] == ["c: open for thesis: swap does not happen (rho +0.25)"]
+    (*_, other) = verdict_lines([outcome("open", 0.25, tracker="default")])
+    assert other == "c: open for default: swap does not happen (rho +0.25) with thesis"
     assert list(verdict_lines([])) == []
 
 

@@ -1,10 +1,14 @@
 """Campaigns: faults of a request, and an identity that changes with whatever decides results."""
 
+import os
+import signal
+from contextlib import suppress
 from dataclasses import replace
 
 import pytest
 
 from pjpdaf.errors import BenchError
+from scenarios.console.interrupts import Interrupted
 from scenarios.play.fast_trust import LEAST_EPISODES, FastTrust
 from scenarios.stress import campaign as module
 from scenarios.stress.campaign import (
@@ -18,6 +22,7 @@ from scenarios.stress.campaign import (
     open_campaign,
     spaces_of,
 )
+from scenarios.stress.case import Case, Trial
 from scenarios.stress.families import FAMILIES
 
 CROSS = CampaignRequest("search", "cross")
@@ -53,7 +58,11 @@ def test_options_go_to_the_families_that_have_the_parameter():
         ({"settings": ("speeed=1",)}, "cross has no parameter 'speeed' to vary; did you mean sp"),
         ({"ranges": ("speed=0.4..0.2",)}, "speed: range is reversed: 0.4 is greater than 0.2"),
         ({"ranges": ("speed=1..2 px",)}, "--range speed: must be in m/s"),
+        ({"ranges": ("speed=0.2..0.3", "speed=0.3..0.4")}, "--range speed: given twice"),
         ({"ranges": ("speed",)}, "--range speed: must be NAME=LOW..HIGH"),
+        ({"target": "all,cross"}, "all: has every family in it; name no other beside it"),
+        ({"settings": ("speed=0.3",), "ranges": ("speed=0.2..0.4",)}, "speed: --set holds it"),
+        ({"settings": ("fps=5",), "also": ("fps",)}, "fps: --set holds it, so that it cannot vary"),
         ({"also": ("frontt",)}, "did you mean front?"),
         ({"time_limit_s": 0.0}, "--time-limit must be above 0 s"),
         ({"seed": -1}, "--seed must be between 0"),
@@ -69,6 +78,24 @@ def test_a_fault_is_a_line_before_anything_is_played(changes, line, tmp_path, mo
     assert line in str(fault.value)
     assert "\n" not in str(fault.value)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("trials", [0, 1])
+def test_an_interrupt_that_a_library_swallows_still_ends_the_campaign(trials, tmp_path):
+    """As pydantic does, where it comes while a digest is written."""
+    request = replace(CROSS, out=tmp_path / "a", jobs=1)
+    trial = Trial(Case("cross", {"frames": 4}, 1), request.system, "fast")
+
+    def campaign():
+        with open_campaign(request) as campaign:
+            with suppress(KeyboardInterrupt):
+                os.kill(os.getpid(), signal.SIGINT)
+            for _ in range(trials):
+                campaign.runner.run([trial])
+                raise AssertionError("it went on")
+
+    with pytest.raises(Interrupted, match="finished runs are kept"):
+        campaign()
 
 
 def test_a_detector_of_the_users_is_played_in_full():

@@ -7,7 +7,12 @@ import pytest
 from pjpdaf.errors import BenchError, NotComparable
 from scenarios.play.job import System
 from scenarios.play.plan import PlanRequest, plan
-from scenarios.spec.corpus_case import corpus_suite, is_corpus_file, load_corpus_case
+from scenarios.spec.corpus_case import (
+    corpus_suite,
+    is_corpus_file,
+    load_corpus_case,
+    numbered_label,
+)
 from scenarios.spec.faults import FileFault
 from scenarios.spec.motion.plugged import TRUSTED_VARIABLE
 from scenarios.stress.case import Case
@@ -17,6 +22,7 @@ from scenarios.stress.case_file import (
     corpus_case,
     load_case,
     system_of,
+    system_to_play,
     write_case,
 )
 from scenarios.stress.families import FAMILIES, find_family
@@ -104,6 +110,33 @@ def test_another_episode_than_the_one_that_failed_is_not_comparable(old, new, tm
         with pytest.raises(NotComparable, match="not comparable: cross has changed since") as fault:
             read(path)
         assert fault.value.exit_code == 4
+
+
+def test_a_case_without_its_event_is_told_so(tmp_path):
+    path = changed(tmp_path, "event: swap\n", "")
+    assert is_corpus_file(path)
+    with pytest.raises(FileFault, match="event: is missing"):
+        load_case(path)
+
+
+def test_the_scenario_is_that_of_the_family(tmp_path):
+    path = changed(tmp_path, "scenario: cross\n", "scenario: drink\n")
+    with pytest.raises(BenchError, match="scenario: must be cross, as that is the scenario of"):
+        load_case(path)
+
+
+def test_a_long_name_keeps_its_end():
+    assert numbered_label("cross", "_swap_1") == "cross_swap_1"
+    assert numbered_label("x" * 60, "_swap_1") == "x" * 53 + "_swap_1"
+
+
+def test_settings_stay_with_the_tracker_that_they_are_of(tmp_path):
+    record = record_of()
+    assert system_to_play(record, tmp_path) == SYSTEM
+    assert system_to_play(record, tmp_path, tracker=SYSTEM.tracker).tracker_settings == (
+        SYSTEM.tracker_settings
+    )
+    assert system_to_play(record, tmp_path, tracker="default") == System("default", "default")
 
 
 def test_scenarios_are_no_corpus_files(tmp_path):

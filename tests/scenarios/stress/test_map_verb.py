@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pjpdaf.errors import BenchError
+from pjpdaf.errors import BenchError, InfrastructureError
 from reports.stress.load import load_stress
 from reports.stress.records import EstimateRecord
 from scenarios.stress.campaign import CampaignRequest
@@ -31,7 +31,10 @@ def test_a_map_is_the_same_when_it_goes_on(tmp_path, capsys) -> None:
     request = MapRequest(campaign("map", tmp_path / "a"), plan, episodes=1, argv=("stress",))
     map_verb(request)
     first = (tmp_path / "a" / "map.json").read_bytes()
-    assert "bounce: speed x front, 4 cells, 4 runs in fast" in capsys.readouterr().out
+    assert (
+        "bounce: speed x front, 4 cells, 4 runs in fast; of the cells' 4 trials: none"
+        in capsys.readouterr().out
+    )
     (tmp_path / "a" / "map.json").unlink()
     map_verb(request)
     assert (tmp_path / "a" / "map.json").read_bytes() == first
@@ -78,6 +81,18 @@ def test_a_comparison_counts_every_draw(tmp_path) -> None:
     assert draws[0] == draws[1]
 
 
+def test_a_comparison_without_a_pair_is_no_result(tmp_path, capsys) -> None:
+    compared = campaign("compare", tmp_path / "a", against="faulty_trackers:Raises")
+    with pytest.raises(InfrastructureError, match="no draw gave a result with both trackers"):
+        compare_verb(CompareRequest(compared, "swap", runs=2))
+    assert "no result in 2 runs, left out of all figures" in capsys.readouterr().out
+    (folder,) = load_stress([tmp_path / "a"])
+    assert folder.compare is not None
+    assert folder.compare.without_result == 2
+    page = (tmp_path / "a" / "stress.html").read_text(encoding="utf-8")
+    assert "2 runs without a result, left out of all figures; the first: bounce: plug-in: " in page
+
+
 @pytest.mark.parametrize(
     ("plan", "changes", "message"),
     [
@@ -89,7 +104,7 @@ def test_a_comparison_counts_every_draw(tmp_path) -> None:
         (MapPlan("speed", refine=5), {}, "--refine must be between 0 and 4, got 5"),
         (MapPlan("speed", level=1.0), {}, "--level must be above 0 and below 1, got 1"),
         (MapPlan("speed"), {"target": "bonce"}, "no family 'bonce' to stress; did you mean bounce"),
-        (MapPlan("speed"), {"settings": ("speed=0.3", "frames=6")}, "speed does not vary here"),
+        (MapPlan("speed"), {"settings": ("speed=0.3", "frames=6")}, "speed: --set holds it"),
     ],
 )
 def test_maps_that_are_refused_before_anything_is_played(

@@ -10,7 +10,7 @@ from scenarios.play.job import System
 from scenarios.stress.campaign import Campaign, CampaignRequest
 from scenarios.stress.case import Case, Trial, TrialFailure, TrialResult
 from scenarios.stress.progress import Progress
-from scenarios.stress.quarantine import name_quarantined
+from scenarios.stress.quarantine import name_quarantined, quarantine_fields
 
 SYSTEM = System("thesis", "mine:make")
 
@@ -39,6 +39,12 @@ def test_the_first_is_named_with_the_command_that_plays_it(capsys):
         "pjpdaf-bench stress drink replay --seed 2 --tracker mine:make --detector thesis "
         "--fidelity fast --set speed=0.5\n"
     )
+
+
+def test_the_page_is_told_how_many_and_why():
+    fields = quarantine_fields(campaign_of(good("1"), lost("2"), lost("4"), lost("3", "unposable")))
+    assert fields == {"without_result": 2, "first_fault": "drink: plug-in: no step today"}
+    assert quarantine_fields(campaign_of(good("1"), lost("3", "unposable"))) == {}
 
 
 def test_nothing_is_said_where_all_gave_a_result(capsys):

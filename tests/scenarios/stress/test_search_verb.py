@@ -1,12 +1,17 @@
 """The command `stress`: searches that are short, killed, and started again."""
 
 import json
+import os
+import pty
 import re
+import shlex
+import shutil
 import signal
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from commands import assert_one_line, in_this_process, started, wait_until
+from commands import ROOT, assert_one_line, in_this_process, started, wait_until
 
 from scenarios.execute.journal import FILE
 from scenarios.play.job import System
@@ -93,3 +98,39 @@ def test_a_fault_is_one_line(words, fragment, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert_one_line(in_this_process("stress", *words), 2, fragment)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.long
+def test_a_terminal_keeps_no_progress_bar_above_the_table(tmp_path):
+    words = ("stress", "drink", "search", "--preset", "thesis", "--set", "frames=4", "--budget", 1)
+    ours, theirs = pty.openpty()
+    options = {"stdout": theirs, "stderr": theirs, "stdin": theirs}
+    process = started(*words, "--confirm", 0, "--jobs", 1, "--out", tmp_path / "s", **options)
+    os.close(theirs)
+    shown = b""
+    with suppress(OSError):  # the other end is closed
+        while part := os.read(ours, 4096):
+            shown += part
+    os.close(ours)
+    assert process.wait() == 0, shown
+    assert b"drink: search" in shown
+    # The last line of the bar is erased before the first of the figures.
+    assert shown.rindex(b"\x1b[2K") < shown.index(b"drink: 1 run in fast")
+
+
+@pytest.mark.long
+def test_failures_of_a_clip_of_ones_own_have_a_command_in_place_of_a_case_file(tmp_path):
+    shutil.copy(ROOT / "scenarios/catalog/clips/story.csv", tmp_path / "mine.csv")
+    words = ("stress", "recorded", "search", "--set", f"clip={tmp_path / 'mine.csv'}", "--set")
+    out = tmp_path / "s"
+    tracker = ("--preset", "thesis", "--tracker", "faulty_trackers:Waits", "--find", "lost")
+    budget = ("--no-corpus", "--budget", "1", "--confirm", "0", "--jobs", "1", "--out", out)
+    done = in_this_process(*words, "frames=6", *tracker, *budget)
+    assert done.returncode == 0, done.stderr
+    assert list((out / "cases").iterdir()) == []
+    (line,) = [x for x in done.stdout.splitlines() if x.startswith("replay: ")]
+    again = in_this_process(*shlex.split(line)[2:])
+    assert "head lost                    rho -5.667  fails" in again.stdout
+    assert shlex.split(line)[1:] == shlex.split(
+        json.loads((out / "failures.json").read_text())["searches"][0]["failures"][0]["command"]
+    )

@@ -79,6 +79,19 @@ def test_a_path_holds_between_its_moves_and_after_them():
     assert xs == [0.0, 0.0, 0.5, 1.0, 1.0, 1.0, 2.0, 2.0]
 
 
+def test_rows_of_many_moments_are_those_of_each():
+    left = HandState(np.array([0.3, 0.2, 0.8]), np.array([-0.6, 0.1, -0.7, 0.2]), np.full(5, 0.4))
+    bow = np.array([0.0, 0.02, 0.1])
+    first = at(0.4, -0.1, 0.9)
+    strokes = (Stroke(0.5, 1.0, left, bow), Stroke(2.0, 0.7, at(0.2, 0.0, 1.0, curl=0.8), bow))
+    glide = Glide(2.4, 0.5, left, bow, -bow, strokes[1].to, 0.2, 0.3)
+    path = HandPath(first, (*strokes, glide))
+    times = np.concatenate([np.linspace(-0.1, 3.5, 73), [0.5, 1.5, 2.0, 2.4]])
+    for row, t_s in zip(path.rows(times), times.tolist(), strict=True):
+        np.testing.assert_array_equal(row, path.at(t_s).row)
+    assert float(left.quaternion @ first.quaternion) < 0  # the shorter way round
+
+
 def test_moves_out_of_order_are_refused():
     with pytest.raises(ValueError, match="moves must be in order of time"):
         HandPath(at(0, 0, 0), (Stroke(4, 1, at(1, 0, 0), ZERO), Stroke(1, 1, at(1, 0, 0), ZERO)))
