@@ -113,10 +113,11 @@ def _print(out: Console, shrunk: Shrunk, space: Space, fidelity: str) -> None:
             out,
         )
     runs = count(shrunk.runs, "run")
+    changes = "" if shrunk.minimal is None else _differences(shrunk.minimal, shrunk, space)
     if shrunk.once is not None:
-        print_line(f"{runs}: needed with its own noise: {shrunk.once.words}", out)
+        words = changes if shrunk.once.narrowed else ""
+        print_line(f"{runs}: needed with its own noise: {words or shrunk.once.words}", out)
     elif shrunk.minimal is not None:
-        changes = _differences(shrunk.minimal, shrunk, space)
         print_line(
             f"{runs}: {count(len(shrunk.needed), 'parameter')} left: "
             f"{changes or 'none, the nominal case fails'}; {shrunk.minimal.frames} of "
