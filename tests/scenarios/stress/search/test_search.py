@@ -186,3 +186,17 @@ def test_further_parameters_are_searched(fps):
         space, lambda cases: [safe(case) for case in cases], SearchPlan(budget=40)
     ).evaluations
     assert ("fps" in seen[-1].case.values) == bool(fps)
+
+
+def test_a_family_that_has_nothing_to_vary_is_played_with_other_noise_only():
+    """There is no dimension to descend in; every third noise seed fails."""
+    still = Space(CROSS.family, (), CROSS.nominal())
+
+    def evaluate(cases):
+        return [of_robustness(case, -1.0 if case.seed % 3 == 0 else 1.0, 0.2) for case in cases]
+
+    found = search_family(still, evaluate, SearchPlan(budget=120, goals=SWAPS, seed=0))
+    assert (found.ended, len(found.failures)) == ("budget", 1)
+    assert found.failures[0].words == "nominal, drawn values too"
+    seeds = {evaluation.case.seed for evaluation in found.evaluations}
+    assert len(seeds) == len(found.evaluations) >= 100
