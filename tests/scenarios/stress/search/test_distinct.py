@@ -3,18 +3,14 @@
 import pytest
 
 from reports.score.robustness import Robustness
-from scenarios.execute.journal import Journal
-from scenarios.play.job import System
 from scenarios.spec.draw import concrete
 from scenarios.stress.case import Case, TrialResult
 from scenarios.stress.confirm import MOST_RUNS
 from scenarios.stress.families import find_family
 from scenarios.stress.search.distinct import Signature, attribute, explained
-from scenarios.stress.search.evaluation import Evaluation, Evaluator
+from scenarios.stress.search.evaluation import Evaluation
 from scenarios.stress.search.search import SearchPlan, search_family
 from scenarios.stress.space import Space
-from scenarios.stress.trials import TrialRunner
-from sim.processes import Answer
 
 BOUNCE = Space.of(find_family("bounce"))
 SCENARIO = BOUNCE.family.scenario
@@ -185,26 +181,3 @@ def test_drawn_values_are_paid_by_the_budget(budget):
     result, played = searched(bearded, budget)
     assert result.runs == len(played) <= budget
     assert len({str(case) for case in played}) == len(played)
-
-
-class Here:
-    """An executor in this process."""
-
-    def outcomes(self, function, tasks, limit_s, attempts=3):
-        for index, task in tasks.items():
-            yield index, Answer(function(task))
-
-
-def test_a_beard_captures_a_hand_of_the_thesis_tracker(tmp_path):
-    """A tall, bearded person in `bounce`, as it is nominally: hands swap after a capture."""
-    space = Space.of(BOUNCE.family, fixed={"frames": 24})
-    with Journal.open(tmp_path / "j", "x") as journal:
-        evaluator = Evaluator(TrialRunner(Here(), journal), System("thesis", "thesis"), "fast")
-        (evaluation,) = evaluator.evaluate([Case("bounce", space.nominal(), 1265)])
-        assert "swap" in evaluation.failures(("swap",))
-        failure = attribute(
-            space, evaluation, "swap", lambda case: evaluator.evaluate([case])[0].result.failed
-        )
-    assert ("beard", "yes") in failure.signature.drawn
-    assert failure.signature.cell == ()
-    assert len(failure.signature.drawn) <= 3
