@@ -40,7 +40,7 @@ class Signature:
 
     @property
     def words(self) -> str:
-        """As "speed high, front left", "drawn: beard yes"; "nominal" where nothing matters."""
+        """As "speed high, front left" or "drawn: beard yes"; else that all is nominal."""
         if not self.parts:
             return "nominal, drawn values too"
         return self.worded(", ".join(f"{name} {part}" for name, part in self.parts))
