@@ -41,8 +41,8 @@ def spread(d: int, seed: int, stream: str) -> Iterator[Floats]:
     """Points (d,) without end, in turn of `sobol` and of another such sequence moved to edges.
 
     On an edge each coordinate is moved to its nearer end with probability `AT_END`. Failures that
-    need three or four parameters near their ends together are there twenty times as frequent as
-    in the whole cube (docs/stress.md), and those that do not are found by the others.
+    need three or four parameters near their ends together are far more frequent there than in the
+    whole cube (docs/stress.md), and those that do not are found by the others.
     """
     edges = sobol(d, seed, f"{stream}/edges")
     for number, (inside, edge) in enumerate(zip(sobol(d, seed, stream), edges, strict=True)):

@@ -23,7 +23,7 @@ from scenarios.stress.space import Space
 from sim.randomness import generator
 
 GENERATION = 16
-SOBOL_BLOCK = 16  # between two rounds of descents
+BLOCK = 32  # points that no result has led to, between two rounds of descents
 SIGMA = 0.2  # of the unit cube, at the start of a descent
 LONGEST_DESCENT = 12  # generations
 STALLED = 4  # generations without a better point end a descent
@@ -82,7 +82,7 @@ def search_family(space: Space, evaluate: Evaluate, plan: SearchPlan) -> FamilyS
     state.play_points([space.unit_of_values(space.nominal()), *corners(d)[1:]])
     points = spread(d, plan.seed, f"stress/{name}")
     while not state.ended:
-        for _ in range(SOBOL_BLOCK // GENERATION):
+        for _ in range(BLOCK // GENERATION):
             state.play_points(list(islice(points, GENERATION)))
         for goal in plan.goals if d else ():  # else only the noise varies
             start = state.start_of(goal)

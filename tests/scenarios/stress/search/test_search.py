@@ -67,8 +67,8 @@ def test_every_second_point_lies_on_an_edge_and_the_others_are_sobols():
     np.testing.assert_array_equal(points[::2], plain)
     edges = points[1::2]
     at_end = (edges == 0.0) | (edges == 1.0)
-    # 256 coordinates of three quarters each: the band is 4 standard deviations.
-    assert 0.64 < at_end.mean() < 0.86
+    # 256 coordinates at an end with probability 0.9: the band is 4 standard deviations.
+    assert 0.82 < at_end.mean() < 0.98
     # Both ends of every axis turn up: every second point of one Sobol sequence has an axis in one
     # half of its range.
     assert ((edges == 0.0).any(axis=0) & (edges == 1.0).any(axis=0)).all()
