@@ -91,6 +91,7 @@ def associate(
     T = len(prior.mean)
     S = innovation_covariance(prior.H.swapaxes(0, 1), prior.P, prior.R)  # (N, T, r, r)
     S_inverse = inverse(S)
+    targets = np.arange(T)
     arrived = np.array([not view.missing for view in detections])
     out = without_measurements(parameters, prior, arrived)
     for n, view in enumerate(detections):
@@ -108,7 +109,7 @@ def associate(
         weights = beta[1:, :, None] * pixels
         out.innovation[:, n, :2] = weights.sum(axis=0)
         out.theta[:, n, :2, :2] = np.matmul(weights.transpose(1, 2, 0), pixels.transpose(1, 0, 2))
-        out.best[:, n, :2] = pixels[beta[1:].argmax(axis=0), range(T)]
+        out.best[:, n, :2] = pixels[beta[1:].argmax(axis=0), targets]
         out.beta_best[:, n] = beta[1:].max(axis=0)
         out.beta_0[:, n] = beta[0]
         out.empty[:, n] = ~gated.any(axis=0)

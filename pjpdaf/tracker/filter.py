@@ -47,6 +47,8 @@ class PJPDAF:
         self._model = lru_cache(maxsize=8)(
             lambda dt_s: (transition(dt_s), process_noise(p.process, dt_s))
         )
+        # The detector's prediction is the next step's.
+        self._ahead = lru_cache(maxsize=1)(self._predicted)
 
     def start(self, detections: tuple[Detections, ...]) -> TrackState | None:
         """Return the first state, or None where the views do not agree yet (section 3.6)."""
@@ -121,7 +123,7 @@ class PJPDAF:
         H[np.isnan(z[..., 0])] = 0.0
         return Prior(mean, P, H.swapaxes(0, 1), self._R, z)
 
-    def _ahead(self, state: TrackState, dt_s: float) -> tuple[Floats, Floats]:
+    def _predicted(self, state: TrackState, dt_s: float) -> tuple[Floats, Floats]:
         if not 0.0 < dt_s < math.inf:
             raise ValueError(f"dt_s must be a time above 0 s, got {dt_s!r}")
         F, Q = self._model(dt_s)

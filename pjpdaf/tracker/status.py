@@ -46,7 +46,8 @@ def judge(
     inside = (claimed | seen.merged & seen.present).sum(axis=1) >= needed
     unseen_s = np.where(located, 0.0, before.unseen_s + np.where(inside, 0.0, dt_s))
     P = covariance[:, :3, :3]
-    wide = np.trace(P, axis1=1, axis2=2) > parameters.lost_sd_m**2  # no eigenvalue exceeds it
+    trace = P[:, 0, 0] + P[:, 1, 1] + P[:, 2, 2]
+    wide = trace > parameters.lost_sd_m**2  # no eigenvalue exceeds it
     if wide.any():
         wide = np.linalg.eigvalsh(P)[:, -1] > parameters.lost_sd_m**2
     # 1e-9: three steps of 1/3 s are 1 s.

@@ -57,12 +57,16 @@ class AxisRecord(Record):
 
 
 class ChangedValue(Record):
-    """A parameter that a failure needs: its value, and the nominal one."""
+    """A parameter that a failure needs: its value, and the nominal one.
+
+    drawn: from the noise seed, not varied by the search.
+    """
 
     name: str
     unit: str
     value: Value
     nominal: Value
+    drawn: bool = False
 
 
 class FailureRecord(Record):

@@ -125,7 +125,8 @@ def failure_cards(folders: Sequence[PlayedFolder]) -> list[FailureCard]:
         records.sort(key=lambda f: (f.confirmed is not True, f.confirmed is False, -f.severity))
         for place, record in enumerate(records):
             changed = tuple(
-                f"{c.name} {value_text(c.value, c.unit)} (nominal {value_text(c.nominal, c.unit)})"
+                f"{'drawn ' if c.drawn else ''}{c.name} {value_text(c.value, c.unit)} "
+                f"(nominal {value_text(c.nominal, c.unit)})"
                 for c in record.changed
             )
             tiles = _tiles(folder, record) if place < MOST_STRIPS else ()

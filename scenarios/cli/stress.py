@@ -214,7 +214,8 @@ def shrink(
 ) -> None:
     """Shrink CASE.yaml: fewest changes from nominal, then smaller ones, then fewest frames.
 
-    It must fail with 6 of 8 fresh noise seeds. At most 150 runs; writes minimal.yaml, severe.yaml.
+    It must fail with 6 of 8 fresh noise seeds, else what it needs with its own is named. At most
+    150 runs; writes minimal.yaml, severe.yaml.
     """
     from scenarios.stress.campaign import CampaignRequest
     from scenarios.stress.shrink_verb import ShrinkRequest, shrink_verb

@@ -14,6 +14,7 @@ from reports.score.robustness import GOALS, Goal
 from reports.stress.load import EPISODES
 from reports.stress.page import write_stress_page
 from reports.stress.records import SearchFile, write_record
+from reports.stress.words import value_text
 from reports.summary.text import count
 from scenarios.console.lines import print_command, print_line
 from scenarios.console.tables import print_table
@@ -23,6 +24,7 @@ from scenarios.stress.campaign import Campaign, CampaignRequest, open_campaign
 from scenarios.stress.case import Case, Fidelity
 from scenarios.stress.case_file import can_be_file, case_of, corpus_case, write_case
 from scenarios.stress.confirm import MOST_RUNS, Counterexample, choose, confirm
+from scenarios.stress.drawn import drawn_space
 from scenarios.stress.quarantine import name_quarantined, quarantine_fields
 from scenarios.stress.recording import record_episodes
 from scenarios.stress.search.evaluation import Evaluation, Evaluator
@@ -146,15 +148,19 @@ def goal_of(text: str) -> Goal:
 
 
 def known_cases(space: Space) -> tuple[Case, ...]:
-    """The shipped corpus's cases of a family, inside its space; files of other versions are not."""
+    """The shipped corpus's cases of a family, inside its space; files of other versions are not.
+
+    Drawn values that a case sets stay as they are.
+    """
+    drawn = drawn_space(space).names
     cases = []
     for path in corpus_files():
         record = load_corpus_case(path)
         if record.family == space.family.target:
-            values = space.values_of_unit(
-                space.unit_of_values({**space.nominal(), **case_of(record).values})
-            )
-            cases.append(Case(record.family, values, record.seed))
+            values = {**space.nominal(), **case_of(record).values}
+            held = {name: value for name, value in values.items() if name in drawn}
+            inside = space.values_of_unit(space.unit_of_values(values))
+            cases.append(Case(record.family, {**held, **inside}, record.seed))
     return tuple(cases)
 
 
@@ -296,9 +302,25 @@ def _print(campaign: Campaign, results: Sequence[FamilyFound], out: Console) -> 
         confirmed = sum(one.confirmed for one in rendered)
         share = 100 * confirmed / len(rendered)
         print_line(f"confirmed in full: {confirmed} of {len(rendered)} ({share:.0f} %)", out)
+    if needed := _drawn_needed(results):
+        also = " ".join(f"--also {name}" for name in needed)
+        held = " ".join(f"--set {name}={value}" for name, value in needed.items())
+        print_line(f"drawn values: {also} lets a search vary them, {held} holds them", out)
     for result in results:
         for one, path in zip(result.found, result.files, strict=True):
             if one.counts:
                 command = failure_command(one, path, campaign.system, result.fidelity)
                 print_command(f"replay: {command}", out)
     print_line(f"search: {campaign.folder / 'search.json'}", out)
+
+
+def _drawn_needed(results: Sequence[FamilyFound]) -> dict[str, str]:
+    """The drawn values that failures are known to need: name -> nominal value."""
+    needed: dict[str, str] = {}
+    for search in (result.search for result in results):
+        nominal = drawn_space(search.space).nominal()
+        for failure in search.failures:
+            if failure.narrowed:
+                names = (name for name, _ in failure.signature.drawn)
+                needed |= {name: value_text(nominal[name], "") for name in names}
+    return needed

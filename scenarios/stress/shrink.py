@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from reports.score.robustness import MEASURES
 from scenarios.stress.case import Case
 from scenarios.stress.minimise import minimal_changes
+from scenarios.stress.search.distinct import DistinctFailure, attribute
 from scenarios.stress.search.evaluation import Evaluation
 from scenarios.stress.space import Space
 from scenarios.stress.survival import (
@@ -45,7 +46,8 @@ class Shrunk:
 
     changed: its parameters that were not nominal; needed: those that the minimal case still
     changes; runs: trials for all of it, without the survival of the two at the end. minimal,
-    severe: None where the case did not survive fresh noise itself.
+    severe: None where the case did not survive fresh noise itself. once: what it needs with its own
+    noise alone, where it did not survive but fails with that; minimal is the case of that then.
     """
 
     case: Case
@@ -58,6 +60,7 @@ class Shrunk:
     minimal_survival: Survival | None = None
     severe: Case | None = None
     severe_survival: Survival | None = None
+    once: DistinctFailure | None = None
 
     @property
     def differences(self) -> Mapping[str, Value]:
@@ -92,8 +95,10 @@ def shrink(
     case = case.with_values({n: v for n, v in nominal.items() if n not in case.values})
     changed = _by_distance(space, case, nominal)
     survival, failed = oracle.survival(case, SEEDS, SEEDS)
+    late = noise[MOST_RUNS:]
     if survival.failed < NEEDED:
-        return Shrunk(case, measure, survival, changed, SEEDS)
+        shrunk = Shrunk(case, measure, survival, changed, SEEDS)
+        return _with_own_noise(space, shrunk, evaluate, late)
     start = _deepest(space, _Form(case, survival, failed), changed, oracle)
     rule = STRICT if start.survival.failed >= SEEDS - STRICT.passes else LENIENT
     oracle.seen[start.case.with_seed(0).digest] = start.case, list(start.failed)
@@ -120,7 +125,6 @@ def shrink(
         (mean_severity(seen), -number, tried)
         for number, (tried, seen) in enumerate(oracle.seen.values())
     )[2]
-    late = noise[MOST_RUNS:]
     return Shrunk(
         case,
         measure,
@@ -132,6 +136,35 @@ def shrink(
         survival_of(minimal, measure, evaluate, late),
         severe,
         survival_of(severe, measure, evaluate, late),
+    )
+
+
+def _with_own_noise(
+    space: Space, shrunk: Shrunk, evaluate: Evaluate, late: Sequence[int]
+) -> Shrunk:
+    """What a case that fails by chance needs with its own noise: of its parameters, else of what is
+    drawn from the seed.
+    """
+    (played,) = evaluate([shrunk.case])
+    runs = shrunk.runs + 1
+
+    def failing(case: Case) -> Sequence[str] | None:
+        nonlocal runs
+        if runs >= MOST_RUNS:
+            return None
+        runs += 1
+        return evaluate([case])[0].result.failed
+
+    if shrunk.measure not in played.result.failed:
+        return replace(shrunk, runs=runs)
+    once = attribute(space, played, shrunk.measure, failing)
+    return replace(
+        shrunk,
+        runs=runs,
+        needed=tuple(name for name, _ in once.signature.cell),
+        minimal=once.minimal,
+        minimal_survival=survival_of(once.minimal, shrunk.measure, evaluate, late),
+        once=once,
     )
 
 

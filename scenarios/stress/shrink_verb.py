@@ -22,6 +22,7 @@ from scenarios.stress.case_file import (
     system_to_play,
     write_case,
 )
+from scenarios.stress.drawn import drawn_space
 from scenarios.stress.quarantine import name_quarantined
 from scenarios.stress.search.evaluation import Evaluator
 from scenarios.stress.shrink import MOST_RUNS, NEEDED, SEEDS, Shrunk, shrink
@@ -65,7 +66,10 @@ def shrink_verb(request: ShrinkRequest) -> None:
     )
     with open_campaign(campaign_request) as campaign:
         space, case = campaign.spaces[0], case_of(record)
-        space = Space.of(space.family, ["fps"] if "fps" in case.values else [])
+        # What it sets beyond the family's own may be what matters: the rate, or what others draw.
+        more = ("fps", *drawn_space(space).names)
+        also = [name for name in case.values if name in more]
+        space = Space.of(space.family, also)
         most = MOST_RUNS + 2 * request.fresh
         campaign.progress.start(f"{record.name}: shrink, at most", most)
         fidelity = campaign.fidelity_for(space)
@@ -102,20 +106,24 @@ def _print(out: Console, shrunk: Shrunk, space: Space, fidelity: str) -> None:
         f"{fidelity}, {len(shrunk.changed)} of {count(len(space.axes), 'parameter')} not nominal",
         out,
     )
-    if shrunk.minimal is None:
+    if shrunk.survival.failed < NEEDED:
         print_line(
             f"not shrunk: it must fail with {NEEDED} of {SEEDS} fresh noise seeds; this failure is "
             "one of noise",
             out,
         )
-        return
-    changes = _differences(shrunk.minimal, shrunk, space)
-    print_line(
-        f"{count(shrunk.runs, 'run')}: {count(len(shrunk.needed), 'parameter')} left: "
-        f"{changes or 'none, the nominal case fails'}; {shrunk.minimal.frames} of "
-        f"{shrunk.case.frames} frames",
-        out,
-    )
+    runs = count(shrunk.runs, "run")
+    changes = "" if shrunk.minimal is None else _differences(shrunk.minimal, shrunk, space)
+    if shrunk.once is not None:
+        words = changes if shrunk.once.narrowed else ""
+        print_line(f"{runs}: needed with its own noise: {words or shrunk.once.words}", out)
+    elif shrunk.minimal is not None:
+        print_line(
+            f"{runs}: {count(len(shrunk.needed), 'parameter')} left: "
+            f"{changes or 'none, the nominal case fails'}; {shrunk.minimal.frames} of "
+            f"{shrunk.case.frames} frames",
+            out,
+        )
     for name, survival in (
         ("minimal", shrunk.minimal_survival),
         ("most severe", shrunk.severe_survival),

@@ -23,6 +23,7 @@ from scenarios.spec.parameters.numeric import Numeric
 from scenarios.stress.families import FPS, StressFamily
 from sim.motion.stage import Value
 
+PARTS = ("low", "middle", "high")  # thirds
 DIGITS = 6  # significant, of every value: a case is short to write, and the same when read back
 
 
@@ -152,6 +153,11 @@ class Space:
 
     def _with_fixed(self, values: Mapping[str, Value]) -> dict[str, Value]:
         return {**values, **self.fixed}
+
+
+def third(share: float) -> str:
+    """The third in which a share (0-1) lies."""
+    return PARTS[min(int(share * len(PARTS)), len(PARTS) - 1)]
 
 
 def _axis(family: StressFamily, name: str, narrowed: tuple[float, float] | None) -> Axis:

@@ -161,7 +161,8 @@ def _in_body(
 
 def _within(points: Floats, middle: Floats, half: Floats) -> Bools:
     """Which points (..., 3) are in a box: its middle (3,), half its size (3,) or of all three."""
-    x, y, z = (np.abs(points[..., k] - middle[k]) < np.broadcast_to(half, 3)[k] for k in range(3))
+    sizes = np.broadcast_to(half, 3)
+    x, y, z = (np.abs(points[..., k] - middle[k]) < sizes[k] for k in range(3))
     return np.asarray(x & y & z)
 
 

@@ -107,7 +107,7 @@ def _view_truth(
 def _amodal(outlines: Outlines, frame: int, target: int) -> int:
     canvas = np.zeros(outlines.size, np.uint8)
     paint_alone(outlines, frame, TARGET_PAINT + target, canvas)
-    return int(np.count_nonzero(canvas))
+    return cv2.countNonZero(canvas)
 
 
 def _merged(view: PaintedView, touch: int) -> NDArray[np.bool_]:

@@ -13,6 +13,7 @@ from scenarios.spec.parameters.file import contents
 from scenarios.spec.parameters.numeric import Numeric
 from scenarios.stress.case import Trial
 from scenarios.stress.confirm import Counterexample
+from scenarios.stress.drawn import drawn_space
 from scenarios.stress.families import find_family
 from scenarios.stress.recording import Shown
 from scenarios.stress.search.search import FamilySearch
@@ -85,7 +86,9 @@ def _failure(
 ) -> FailureRecord:
     robustness = one.result.robustness
     assert robustness is not None
-    nominal = space.nominal()
+    signature = one.failure.signature
+    varied = drawn_space(space) if signature.drawn else space
+    nominal, values = varied.nominal(), one.failure.minimal.values
     return FailureRecord(
         measure=shown_measure(one),
         cell=one.failure.words,
@@ -96,11 +99,12 @@ def _failure(
         changed=tuple(
             ChangedValue(
                 name=name,
-                unit=_unit(space, name),
-                value=one.case.values[name],
+                unit=_unit(varied, name),
+                value=values[name],
                 nominal=nominal[name],
+                drawn=bool(signature.drawn),
             )
-            for name, _ in one.failure.signature.cell
+            for name, _ in signature.parts
         ),
         fidelity=fidelity if one.full is None else "full",
         rho=robustness.measures[shown_measure(one)],

@@ -38,6 +38,7 @@ def failure_record(found: Counterexample) -> dict[str, Any]:
         "family": failure.signature.family,
         "event": failure.signature.measure,
         "cell": dict(failure.signature.cell),
+        "drawn": dict(failure.signature.drawn),
         "found": failure.evaluation.case.to_json(),
         "minimal": failure.minimal.to_json(),
         "case": found.case.to_json(),

@@ -187,9 +187,7 @@ class _Search:
         for evaluation in evaluations:
             measure = evaluation.primary(self.plan.goals)
             known = [failure.signature for failure in self.failures]
-            if not measure or any(
-                explained(s, self.space, evaluation.case, measure) for s in known
-            ):
+            if not measure or explained(known, self.space, evaluation.case, measure):
                 continue
             if measure not in worst or _rho(evaluation, measure) < _rho(worst[measure], measure):
                 worst[measure] = evaluation
@@ -198,8 +196,14 @@ class _Search:
                 return
             failure = attribute(self.space, evaluation, measure, self._failing)
             if self._is_new(failure):
-                self.failures.append(failure)
+                self._keep(failure)
                 self.runs_at_last = self.runs
+
+    def _keep(self, failure: DistinctFailure) -> None:
+        """Keep a failure in place of those that its signature turns out to cover."""
+        covers = failure.signature.covers if failure.narrowed else lambda other: False
+        self.failures = [f for f in self.failures if not covers(f.signature)]
+        self.failures.append(failure)
 
     def _is_new(self, failure: DistinctFailure) -> bool:
         """Whether it is distinct; one that was not narrowed down may be any of its measure."""
