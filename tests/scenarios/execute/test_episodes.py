@@ -19,7 +19,7 @@ from sim.processes import _prepare_worker
 
 def work():
     _prepare_worker()
-    print(multiprocessing.current_process().pid, flush=True)
+    print(multiprocessing.current_process().pid, flush=True)  # on standard error
     time.sleep(600)
 
 if __name__ == "__main__":
@@ -41,9 +41,9 @@ def test_worker_ends_with_a_killed_parent(tmp_path):
     root = str(Path(__file__).parents[3])
     environment = {**os.environ, "PYTHONPATH": root}
     with subprocess.Popen(
-        [sys.executable, str(program)], env=environment, stdout=subprocess.PIPE, text=True
+        [sys.executable, str(program)], env=environment, stderr=subprocess.PIPE, text=True
     ) as parent:
-        worker = int(parent.stdout.readline())
+        worker = int(parent.stderr.readline())
         assert runs(worker)
         parent.send_signal(signal.SIGKILL)
         wait_until(lambda: not runs(worker))
