@@ -197,9 +197,10 @@ def swaps(arguments, kept):
         f"points swap, p = {len(hits) / arguments.plain:.2e} ({low:.2e} to {high:.2e})",
         flush=True,
     )
-    blocks = {hit // budget for hit in hits}
+    whole = arguments.plain // budget
+    blocks = {hit // budget for hit in hits if hit // budget < whole}
     print(
-        f"chance: {len(blocks)} of {arguments.plain // budget} blocks of {budget} points hold one; "
+        f"chance: {len(blocks)} of {whole} blocks of {budget} points hold one; "
         f"median run {np.log(2) * arguments.plain / max(len(hits), 1):.0f}",
         flush=True,
     )
