@@ -20,8 +20,8 @@ from scenarios.spec.yaml_reader import read_yaml
 FORMAT = 1  # of the files
 CORPUS = "corpus"
 MOST_LABEL = 60  # characters
-LABEL = rf"^[a-z][a-z0-9_.@+-]{{0,{MOST_LABEL - 1}}}$"
-Label = Annotated[str, Strict(), Field(pattern=r"^[a-z][a-z0-9_.@+-]*$", max_length=MOST_LABEL)]
+LABEL = r"^[a-z][a-z0-9_.@+-]*$"
+Label = Annotated[str, Strict(), Field(pattern=LABEL, max_length=MOST_LABEL)]
 
 
 class CorpusCase(Record):

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from copy import deepcopy
-from functools import lru_cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from scenarios.spec.faults import FileFault, Positions
+from scenarios.spec.faults import FileFault
 from scenarios.spec.scenario import Scenario
 from scenarios.spec.suite import Suite
 from scenarios.spec.validation import first_fault
@@ -72,7 +70,7 @@ def parse(text: str, file: str, record: type[R], folder: Path | None = None) -> 
     """
     if folder is None:
         folder = (_PACKAGE / file).parent
-    data, positions = deepcopy(_yaml_of(text, file))  # validators may change it
+    data, positions = read_yaml(text, file)
     if not isinstance(data, dict):
         raise FileFault(file, (1, 1), f"must be a mapping of fields, got {describe_value(data)}")
     try:
@@ -81,9 +79,3 @@ def parse(text: str, file: str, record: type[R], folder: Path | None = None) -> 
     except ValidationError as error:
         fault = first_fault(error, data, positions, record)
         raise FileFault(file, fault.at, fault.message) from None
-
-
-@lru_cache(maxsize=16)  # stress asks for each trial's scenario, and YAML takes half as long as one
-def _yaml_of(text: str, file: str) -> tuple[Any, Positions]:
-    # The text alone: files that it names may have other content the next time.
-    return read_yaml(text, file)

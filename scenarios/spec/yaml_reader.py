@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
+from functools import lru_cache
 from typing import Any
 
 from ruamel.yaml import YAML
@@ -21,6 +23,12 @@ def read_yaml(text: str, file: str) -> tuple[Any, Positions]:
 
     No anchors, no tags, no key twice. Raises FileFault.
     """
+    return deepcopy(_read(text, file))  # the caller's own: validators may change them
+
+
+# Stress asks for a scenario file with each trial, and YAML takes half as long as one.
+@lru_cache(maxsize=16)
+def _read(text: str, file: str) -> tuple[Any, Positions]:
     yaml = YAML(typ="safe", pure=True)
     try:
         depth = 0

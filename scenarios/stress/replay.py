@@ -31,6 +31,7 @@ from scenarios.play.job import System
 from scenarios.play.settings import read_settings
 from scenarios.spec.corpus_case import (
     LABEL,
+    MOST_LABEL,
     CorpusCase,
     corpus_folder,
     is_corpus_file,
@@ -187,7 +188,7 @@ def promote(
             f"{path}: is of {record.family}; the corpus keeps cases of shipped scenarios"
         )
     folder = folder or corpus_folder()
-    if name is not None and re.fullmatch(LABEL, name) is None:
+    if name is not None and (len(name) > MOST_LABEL or re.fullmatch(LABEL, name) is None):
         raise BenchError(
             f"--name {name[:60]}: must be lower-case letters, digits and _, beginning with a "
             "letter, at most 60"
