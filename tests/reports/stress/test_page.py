@@ -8,6 +8,7 @@ import shutil
 
 import pytest
 from every_reader import faults
+from waiting import until
 
 from pjpdaf.errors import BenchError
 from reports.stress.load import load_stress
@@ -135,7 +136,7 @@ def test_the_names_of_the_lanes_are_whole(page, opened) -> None:
             }; }"""
         )
         view.click(".strip li:last-child a")
-        view.wait_for_function("window.starts.length > 0")
+        until(view, "() => window.starts.length > 0")
         assert view.evaluate("Math.min(...window.starts)") >= 0
 
 
